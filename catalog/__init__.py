@@ -1,0 +1,1 @@
+"""What exists on disk and where: datasets, parameters, cases, formats, and the store."""

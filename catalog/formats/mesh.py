@@ -1,0 +1,54 @@
+"""Surfaces as binary PLY, one file a surface: opens in MeshLab, ParaView and 3D Slicer."""
+
+from collections.abc import Mapping
+from io import BytesIO
+
+from catalog.formats.origin_text import from_ascii, origin_from_text, origin_to_text, to_ascii
+from nodes.geometry.meshes import Mesh, Surfaces
+from nodes.geometry.origin import Origin
+
+
+class MeshFormat:
+    """`<order>_<name>.ply` for every surface, vertices float32 in patient LPS mm."""
+
+    @staticmethod
+    def encode(value: Surfaces) -> dict[str, bytes]:
+        """Return one file for each surface, numbered in their order."""
+        return {
+            f"{order:02d}_{to_ascii(name)}.ply": _write_ply(mesh, value.origin)
+            for order, (name, mesh) in enumerate(value.meshes)
+        }
+
+    @staticmethod
+    def decode(files: Mapping[str, bytes]) -> Surfaces:
+        """Return the surfaces of `encode`, equal in every field."""
+        names = sorted(files)
+        meshes = tuple((from_ascii(n[3:].removesuffix(".ply")), _read_ply(files[n])) for n in names)
+        return Surfaces(meshes, _read_origin(files[names[0]]))
+
+
+def _write_ply(mesh: Mesh, origin: Origin) -> bytes:
+    import trimesh
+
+    body = trimesh.Trimesh(mesh.vertices_patient_mm, mesh.triangles, process=False)
+    content = trimesh.exchange.ply.export_ply(body, encoding="binary", vertex_normal=False)
+    # 3D Slicer reads the axes of a model from this comment; without it it assumes its own.
+    comments = f"comment SPACE=LPS\ncomment unit mm\ncomment origin {origin_to_text(origin)}\n"
+    first, second, rest = content.split(b"\n", 2)
+    return b"\n".join([first, second, comments.encode("ascii") + rest])
+
+
+def _read_ply(content: bytes) -> Mesh:
+    import trimesh
+
+    fields = trimesh.exchange.ply.load_ply(BytesIO(content), fix_texture=False)
+    return Mesh(
+        fields["vertices"].astype("float32").reshape(-1, 3),
+        fields["faces"].astype("int32").reshape(-1, 3),
+    )
+
+
+def _read_origin(content: bytes) -> Origin:
+    header = content.partition(b"end_header")[0].decode("ascii")
+    lines = [line for line in header.splitlines() if line.startswith("comment origin ")]
+    return origin_from_text(lines[0].removeprefix("comment origin "))

@@ -1,0 +1,64 @@
+"""YAML as people write it, with errors that name the file and the line."""
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from nodes.errors import BadInput
+
+
+class _Loader(yaml.CSafeLoader if hasattr(yaml, "CSafeLoader") else yaml.SafeLoader):  # type: ignore[misc]
+    """The safe loader, but a key written twice is an error and not the last one's win."""
+
+
+def _mapping_once(loader: _Loader, node: yaml.MappingNode) -> dict:
+    keys = [loader.construct_object(key) for key, _ in node.value]
+    for place, key in enumerate(keys):
+        if key in keys[:place]:
+            raise yaml.MarkedYAMLError(
+                problem=f"the key {key!r} stands twice", problem_mark=node.value[place][0].start_mark
+            )
+    return loader.construct_mapping(node, deep=True)
+
+
+_Loader.add_constructor("tag:yaml.org,2002:map", _mapping_once)
+
+
+def load_mapping(path: Path) -> dict[str, Any]:
+    """Return the mapping that a YAML file holds; an empty file is an empty mapping.
+
+    Raises
+    ------
+    BadInput : if the file is missing, is no YAML, or holds something else.
+    """
+    try:
+        value = yaml.load(path.read_text("utf-8"), _Loader)
+    except OSError as error:
+        raise BadInput(
+            f"{path.name}: {error.strerror}", "the file must be there and readable", f"see {path}"
+        ) from error
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise _bad_yaml(path, error) from error
+    if value is not None and not isinstance(value, dict):
+        raise BadInput(
+            f"{path.name} holds a {type(value).__name__}",
+            "the file must hold lines `key: value`",
+            f"open {path} and write keys",
+        )
+    return value or {}
+
+
+def load_value(text: str) -> Any:
+    """Return what a value means in YAML, as after `--set key=`; plain text where it is no YAML."""
+    try:
+        return yaml.load(text, _Loader)
+    except yaml.YAMLError:
+        return text
+
+
+def _bad_yaml(path: Path, error: Exception) -> BadInput:
+    mark = getattr(error, "problem_mark", None)
+    where = f"{path.name}, line {mark.line + 1}" if mark else path.name
+    problem = getattr(error, "problem", None) or str(error)
+    return BadInput(f"{where}: {problem}", "the file must be YAML", f"open {path} and mend it")

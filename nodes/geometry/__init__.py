@@ -1,0 +1,1 @@
+"""Shared words: frames, grids, meshes and point clouds, and where each product comes from."""

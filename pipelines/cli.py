@@ -1,0 +1,333 @@
+"""The command line, `tendril`."""
+
+import os
+import signal
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from nodes.errors import BadInput
+from pipelines.project import Project
+
+STOPPED = 130
+SOMETHING_STALE = 5
+
+_EPILOG = """\b
+Exit codes:
+  0  done, or nothing to do
+  1  a stage failed
+  2  the command was misspelt
+  3  a case, a parameter or an input was refused
+  4  the disk kept nothing (full, read-only), or the store is in use
+  5  `status --check` found something stale
+  130  stopped with Ctrl-C; the next run goes on from there
+"""
+
+
+@click.group(epilog=_EPILOG, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="tendril")
+def main() -> None:
+    """From a patient's images to a checked plan for a needle-sized robot.
+
+    Research software, not a medical device.
+    """
+    signal.signal(signal.SIGTERM, _stop)
+
+
+def _stop(number: int, frame: Any) -> None:
+    raise KeyboardInterrupt
+
+
+def _complete_cases(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
+    return [name for name in Project().cases() if name.startswith(incomplete)]
+
+
+def _complete_stages(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
+    from pipelines.registry import PIPELINES
+
+    names = {stage.name for module in PIPELINES.values() for stage in module.STAGES}
+    return sorted(name for name in names if name.startswith(incomplete))
+
+
+def _complete_pipelines(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
+    from pipelines.registry import PIPELINES
+
+    return [name for name in PIPELINES if name.startswith(incomplete)]
+
+
+_case = click.option(
+    "--case", "cases", multiple=True, metavar="NAME", shell_complete=_complete_cases,
+    help="This case only; may be given again. Default: all whose inputs are on this machine.",
+)  # fmt: skip
+_settings = click.option(
+    "--set", "settings", multiple=True, metavar="KEY=VALUE",
+    help="A parameter for this run: `key=value`, or `stage.key=value`.",
+)  # fmt: skip
+_pipeline = click.argument("pipeline", default="", shell_complete=_complete_pipelines)
+
+
+def _stage_option(flag: str, name: str, text: str, **more: Any) -> Any:
+    return click.option(
+        flag, name, default=() if more else "", metavar="STAGE", help=text,
+        shell_complete=_complete_stages, **more,
+    )  # fmt: skip
+
+
+@main.command()
+@_pipeline
+@_case
+@_stage_option("--from", "first", "From this stage on.")
+@_stage_option("--to", "last", "Up to this stage.")
+@_stage_option("--only", "only", "This stage alone, its inputs from the cache.")
+@_stage_option("--force", "forced", "Compute this stage even if it is fresh.", multiple=True)
+@_settings
+@click.option("--no-prefect", is_flag=True, help="Run in plain Python, without a Prefect flow.")
+def run(
+    pipeline: str,
+    cases: Sequence[str],
+    first: str,
+    last: str,
+    only: str,
+    forced: tuple[str, ...],
+    settings: Sequence[str],
+    no_prefect: bool,
+) -> None:
+    """Bring cases up to date; what is fresh comes from the cache.
+
+    \b
+    Examples:
+      tendril run                            every case on this machine
+      tendril run --case thorax_phantom
+      tendril run anatomy --set bone_threshold_hu=250
+      tendril run --case thorax_phantom --only build_surfaces --force build_surfaces
+    """
+    from pipelines.running import runnable_cases
+    from pipelines.selection import Selection
+
+    project = Project()
+    selection = Selection(first, last, only, forced)
+    names = runnable_cases(project, pipeline, cases)
+    for name in [] if cases else _absent(project, pipeline, names):
+        print(f"{name}: skipped, its inputs are not on this machine")
+    if not names:
+        raise BadInput("no case to run", "a run needs a case", "see `tendril list`")
+    for name in names:
+        _run_one(project, name, settings, selection, no_prefect)
+
+
+def _absent(project: Project, pipeline: str, names: Sequence[str]) -> list[str]:
+    every = [n for n in project.cases() if not pipeline or project.case(n).pipeline == pipeline]
+    return [name for name in every if name not in names]
+
+
+def _run_one(
+    project: Project, name: str, settings: Sequence[str], selection: Any, no_prefect: bool
+) -> None:
+    from contextlib import ExitStack
+
+    from pipelines.running import run_case, run_plainly
+
+    with ExitStack() as open_things:
+
+        def watch(run: Any, plan: Sequence, stages: Sequence) -> Any:
+            from pipelines.progress import Progress, expected_seconds
+
+            print(f"{name}: {run.job.case.title}", flush=True)
+            expected = expected_seconds(stages, run.history.seconds())
+            return open_things.enter_context(Progress(name, stages, expected)).observe
+
+        driver = run_plainly if no_prefect else _prefect_driver(project, open_things)
+        done = run_case(project, name, settings, selection, driver=driver, watch=watch)
+    if done.folder is None:
+        print(f"{name}: nothing to do, all is fresh")
+    else:
+        print(f"{name}: done, {done.computed} computed")
+    page = project.root / "reports" / f"{name}.html"
+    if page.exists():
+        print(f"  page  {_near(page)}")
+    print(f"  data  {_near(project.runs / name / 'latest')}")
+
+
+def _prefect_driver(project: Project, open_things: Any) -> Any:
+    """Return a driver that starts Prefect when, and only when, it is called."""
+
+    def drive(run: Any, stages: Sequence) -> None:
+        from pipelines.server import prefect_server
+
+        with prefect_server(project.data):
+            from pipelines.flows import drive as drive_flow
+
+            drive_flow(run, stages)
+
+    return drive
+
+
+def _near(path: Path) -> str:
+    """Return a path as seen from where the person stands."""
+    return os.path.relpath(path)
+
+
+@main.command()
+@_pipeline
+@_case
+@_settings
+@click.option("--check", is_flag=True, help="Exit with 5 if any stage is not fresh.")
+@click.option("--verify", is_flag=True, help="Read every byte again instead of file times.")
+def status(
+    pipeline: str, cases: Sequence[str], settings: Sequence[str], check: bool, verify: bool
+) -> None:
+    """Tell of each stage whether it is fresh, stale and why, or never ran."""
+    from pipelines.engine import FRESH, Run
+    from pipelines.running import runnable_cases
+
+    project = Project()
+    stale = 0
+    for name in runnable_cases(project, pipeline, cases):
+        run = Run(project, project.job(name, settings))
+        if verify:
+            run.verify()
+        print(f"{name}  ({run.job.case.pipeline})")
+        for planned in run.plan():
+            why = f"  {'; '.join(planned.reasons)}" if planned.reasons else ""
+            print(f"  {planned.state:9}  {planned.stage.name}{why}")
+            stale += planned.state != FRESH
+    if check and stale:
+        sys.exit(SOMETHING_STALE)
+
+
+@main.command("list")
+@click.argument(
+    "what", default="", type=click.Choice(["", "pipelines", "stages", "datasets", "cases"]),
+    metavar="[pipelines|stages|datasets|cases]",
+)  # fmt: skip
+def list_command(what: str) -> None:
+    """List pipelines, stages, datasets and cases."""
+    from pipelines.listing import LISTS
+
+    for name in [what] if what else LISTS:
+        print(f"{name}:")
+        for line in LISTS[name](Project()):
+            print(f"  {line}")
+
+
+class _LazyCommand(click.Command):
+    """A command whose options are read from the catalog only when it is used."""
+
+    def get_params(self, ctx: click.Context) -> list[click.Parameter]:
+        if not self.params[1:]:
+            for name, dataset in Project().catalog.items():
+                if dataset.option:
+                    option = click.Option([dataset.option, name], metavar="DIR|FILE", help=dataset.about)
+                    self.params.append(option)
+            self.params.append(click.Option(["--title"], help="Heading of the case's page."))
+            self.params.append(click.Option(["--pipeline"], help="Where several take these inputs."))
+        return super().get_params(ctx)
+
+
+@main.command("new-case", cls=_LazyCommand)
+@click.argument("name")
+def new_case(name: str, title: str | None, pipeline: str | None, **inputs: str | None) -> None:
+    """Write a commented case file for your own images.
+
+    \b
+    Example:
+      tendril new-case phantom_2 --ct /data/phantom_2
+    """
+    from pipelines.new_case import write_case
+
+    project = Project()
+    given = {dataset: path for dataset, path in inputs.items() if path}
+    path = write_case(project, name, given, title or "", pipeline or "")
+    print(f"wrote {_near(path)}\nnext: tendril run --case {name}")
+
+
+@main.command()
+@click.argument("case", default="", shell_complete=_complete_cases)
+@click.option("--open", "show", is_flag=True, help="Open it in the browser.")
+def report(case: str, show: bool) -> None:
+    """Print where a case's page is, or that of all cases; open it with --open."""
+    project = Project()
+    if case:
+        project.case(case)
+    page = project.root / "reports" / f"{case or 'index'}.html"
+    if not page.exists():
+        raise BadInput(
+            f"no page {_near(page)}",
+            "a page is made by a run",
+            f"tendril run{f' --case {case}' if case else ''}",
+        )
+    print(_near(page))
+    if show:
+        click.launch(page.as_uri())
+
+
+@main.command()
+def serve() -> None:
+    """Run the schedules of prefect.yaml on this machine, until Ctrl-C."""
+    from pipelines.server import prefect_server
+
+    project = Project()
+    with prefect_server(project.data, schedules=True) as address:
+        from pipelines.flows import serve_schedules
+
+        print(f"serving the schedules of prefect.yaml; Prefect answers at {address}", flush=True)
+        serve_schedules(project)
+
+
+@main.command()
+@click.option("--keep", default=1, show_default=True, metavar="N", help="Runs to keep of each case.")
+@click.option("--dry-run", is_flag=True, help="Only tell what would go.")
+def clean(keep: int, dry_run: bool) -> None:
+    """Drop artefacts that no kept run uses.
+
+    Kept are the newest N runs of each case, and its newest complete one.
+    """
+    from pipelines.cleaning import clean_store
+
+    runs, artefacts, size = clean_store(Project(), keep, dry_run=dry_run)
+    verb = "would drop" if dry_run else "dropped"
+    print(f"{verb} {runs} runs, {artefacts} artefacts, {size / 1e6:.1f} MB")
+
+
+@main.command()
+@click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
+def completion(shell: str) -> None:
+    """Print the lines that teach a shell to complete tendril's words.
+
+    \b
+    Example:
+      tendril completion bash >> ~/.bashrc
+    """
+    from click.shell_completion import get_completion_class
+
+    kind = get_completion_class(shell)
+    assert kind is not None  # the choices above are click's own
+    print(kind(main, {}, "tendril", "_TENDRIL_COMPLETE").source())
+
+
+def entry() -> None:
+    """Run the command line with exit codes that scripts can use."""
+    try:
+        code = main.main(standalone_mode=False)
+        sys.exit(code if isinstance(code, int) else 0)
+    except click.Abort:
+        _end(STOPPED, "stopped")
+    except click.ClickException as error:
+        error.show()
+        sys.exit(error.exit_code)
+    except BadInput as error:
+        _end(error.exit_code, f"error: {error}")
+    except KeyboardInterrupt:
+        _end(STOPPED, "stopped; what is finished is kept, and the next run goes on from there")
+
+
+def _end(code: int, message: str) -> None:
+    print(message, file=sys.stderr)
+    sys.exit(code)
+
+
+if __name__ == "__main__":
+    entry()

@@ -1,0 +1,115 @@
+"""Prefect around the engine: one flow a case, one task a stage, and the schedules."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from prefect import flow, serve, task
+from prefect.artifacts import create_link_artifact
+from prefect.cache_policies import NO_CACHE
+from prefect.schedules import Cron, Interval
+from prefect.states import Completed, State
+
+from catalog.yaml_file import load_mapping
+from nodes.errors import BadInput
+from pipelines.engine import CACHED, Run
+from pipelines.project import Project
+from pipelines.running import run_case, runnable_cases
+from pipelines.stage import Stage
+
+
+class StageFailed(RuntimeError):
+    """All that Prefect's database learns of a failure: an error's own words may name files."""
+
+
+def drive(run: Run, stages: Sequence[Stage]) -> None:
+    """Go through the stages as tasks of one Prefect flow; errors come out as they are."""
+    failures: list[BaseException] = []
+
+    def go() -> State:
+        for stage in stages:
+            _task(run, stage, failures)()
+        return Completed(message=f"{len(stages)} stages up to date")
+
+    case = run.job.case
+    try:
+        flow(name=case.pipeline, flow_run_name=case.name, persist_result=False)(go)()
+    except StageFailed:
+        raise failures[0] from None
+
+
+def _task(run: Run, stage: Stage, failures: list[BaseException]) -> Callable[[], Any]:
+    summary = run.project.reader.facts(stage).summary
+
+    @task(name=stage.name, description=summary, cache_policy=NO_CACHE, persist_result=False)
+    def do_stage() -> State:
+        try:
+            outcome = run.do(stage)
+        except Exception as error:
+            failures.append(error)
+            raise StageFailed(f"{type(error).__name__} in {stage.name}") from None
+        _link_pages(run, stage)
+        if outcome.status == CACHED:
+            return Completed(name="Cached", message="from cache")
+        return Completed(message=f"computed in {outcome.record.seconds:.2f} s")
+
+    return do_stage
+
+
+def _link_pages(run: Run, stage: Stage) -> None:
+    """Link the case's page in Prefect's own pages."""
+    for name in stage.outputs:
+        place = run.project.catalog[name].place
+        if place.startswith("reports/"):
+            path = run.project.root / place.format(case=run.job.case.name)
+            create_link_artifact(
+                link=path.as_uri(),
+                link_text=f"{name} of {run.job.case.name}",
+                key=f"{name}-{run.job.case.name}".replace("_", "-"),
+            )
+
+
+@flow(name="tendril", persist_result=False)
+def run_cases(pipeline: str = "", cases: Sequence[str] = (), settings: Sequence[str] = ()) -> State:
+    """Bring cases up to date: those named, or all whose inputs are on this machine.
+
+    Parameters
+    ----------
+    pipeline : only cases of this pipeline; all where empty.
+    cases : names of cases; all where empty.
+    settings : `key=value` on top of each case's own parameters.
+    """
+    project = Project()
+    names = runnable_cases(project, pipeline, cases)
+    for name in names:
+        run_case(project, name, settings, driver=drive, always=True)
+    return Completed(message=f"{len(names)} cases up to date")
+
+
+def serve_schedules(project: Project) -> None:
+    """Serve the deployments of prefect.yaml until stopped."""
+    entries = load_mapping(project.root / "prefect.yaml")["deployments"]
+    serve(*(_deployment(entry, project.root) for entry in entries))
+
+
+def _deployment(entry: dict[str, Any], root: Path) -> Any:
+    source, _, name = entry["entrypoint"].rpartition(":")
+    if (root / source).resolve() != Path(__file__).resolve() or name != run_cases.__name__:
+        raise BadInput(
+            f"deployment {entry['name']}: entrypoint {entry['entrypoint']}",
+            "deployments run the flow run_cases of pipelines/flows.py",
+            "write `entrypoint: pipelines/flows.py:run_cases`",
+        )
+    return run_cases.to_deployment(
+        entry["name"],
+        description=entry.get("description", ""),
+        parameters=entry.get("parameters", {}),
+        schedules=[_schedule(schedule) for schedule in entry["schedules"]],
+        concurrency_limit=entry.get("concurrency_limit"),
+    )
+
+
+def _schedule(entry: dict[str, Any]) -> Any:
+    if "cron" in entry:
+        return Cron(entry["cron"], timezone=entry.get("timezone", "UTC"))
+    return Interval(entry["interval"], timezone=entry.get("timezone", "UTC"))

@@ -1,0 +1,45 @@
+"""The page that lists all cases."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pipelines.history import History, publish
+
+if TYPE_CHECKING:
+    from pipelines.project import Project
+
+
+def index_path(project: "Project") -> Path:
+    """Return where the page of all cases stands."""
+    return project.root / "reports" / "index.html"
+
+
+def publish_index(project: "Project") -> None:
+    """Write reports/index.html from what the newest run of every case tells."""
+    from nodes.reporting.build_index_page import build_index_page
+
+    page = build_index_page(cases=tuple(_tell_case(project, name) for name in project.cases()))
+    publish(project, index_path(project), page.html.encode("utf-8"))
+
+
+def _tell_case(project: "Project", name: str):  # noqa: ANN202
+    from nodes.errors import BadInput
+    from nodes.reporting.artefacts import CaseLine
+
+    told = History(project, name).latest()
+    try:
+        case = project.case(name)
+        title, pipeline, broken = case.title, case.pipeline, ""
+    except BadInput as error:  # a case that someone is still writing must not hide the others
+        title, pipeline, broken = name, "", error.rule
+    pages = [p for p in told.get("published", {}) if (project.root / p).exists()]
+    return CaseLine(
+        case=name,
+        title=title,
+        pipeline=pipeline,
+        status=told.get("status", "never run"),
+        started=told.get("started", ""),
+        seconds=told.get("seconds", 0.0),
+        page=pages[0].removeprefix("reports/") if pages else "",
+        warnings=(broken,) if broken else tuple(told.get("warnings", ())),
+    )

@@ -1,0 +1,105 @@
+"""Bringing a case up to date: plan first, and start Prefect only where something is stale."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from nodes.errors import BadInput
+from pipelines.engine import FRESH, Observer, Planned, Run
+from pipelines.history import COMPLETE, FAILED, INTERRUPTED
+from pipelines.index import index_path, publish_index
+from pipelines.project import Project, find_pipeline
+from pipelines.selection import Selection
+from pipelines.stage import Stage
+
+Driver = Callable[[Run, Sequence[Stage]], None]
+
+
+@dataclass(frozen=True)
+class CaseRun:
+    """How a run of a case ended: how many stages were computed, and where its record lies."""
+
+    case: str
+    computed: int
+    folder: Path | None
+
+
+def runnable_cases(project: Project, pipeline: str = "", cases: Sequence[str] = ()) -> list[str]:
+    """Return the cases to run: those named, or all of a pipeline whose inputs are here.
+
+    Raises
+    ------
+    BadInput : for a name that does not exist, or a named case of another pipeline.
+    """
+    if pipeline:
+        find_pipeline(pipeline)
+    chosen = [project.case(name).name for name in cases] or project.cases()
+    return [
+        name
+        for name in chosen
+        if (not pipeline or project.case(name).pipeline == pipeline)
+        and (cases or project.is_ready(name))
+    ]
+
+
+def run_plainly(run: Run, stages: Sequence[Stage]) -> None:
+    """Go through the stages in plain Python."""
+    for stage in stages:
+        run.do(stage)
+
+
+def run_case(
+    project: Project,
+    name: str,
+    settings: Sequence[str] = (),
+    selection: Selection = Selection(),  # noqa: B008 - frozen
+    *,
+    driver: Driver = run_plainly,
+    watch: Callable[[Run, Sequence[Planned], Sequence[Stage]], Observer] | None = None,
+    always: bool = False,
+) -> CaseRun:
+    """Bring one case up to date and note the run.
+
+    Parameters
+    ----------
+    driver : goes through the stages when something is stale; plain Python, or Prefect.
+    watch : told the plan once it stands; returns the observer of the run.
+    always : use the driver even where nothing is stale.
+    """
+    with project.store.in_use():
+        project.store.sweep()
+        run = Run(project, project.job(name, settings), selection)
+        plan = run.plan()
+        stages = run.check_selection(plan)
+        stale = [p for p in plan if p.state != FRESH and p.stage in stages]
+        if not stale and not always:
+            driver = run_plainly
+            keys = {p.stage.name: p.record.key for p in plan if p.record and p.stage in stages}
+            if run.history.is_current(keys) and index_path(project).exists():
+                return CaseRun(name, 0, None)
+        if watch:
+            run.observe = watch(run, plan, stages)
+        return CaseRun(name, *_go(run, stages, driver))
+
+
+def _go(run: Run, stages: Sequence[Stage], driver: Driver) -> tuple[int, Path]:
+    try:
+        driver(run, stages)
+    except BaseException as error:
+        status = FAILED if isinstance(error, Exception) else INTERRUPTED
+        _keep_what_is_done(run, status, type(error).__name__)
+        raise
+    folder = run.history.keep(run, COMPLETE)
+    run.project.store.signatures.save()
+    publish_index(run.project)
+    return sum(o.status == "computed" for o in run.outcomes.values()), folder
+
+
+def _keep_what_is_done(run: Run, status: str, error: str) -> None:
+    """Note a run that did not end; where even that fails, the first error is the one to tell."""
+    try:
+        run.history.keep(run, status, error)
+        run.project.store.signatures.save()
+        publish_index(run.project)
+    except (OSError, BadInput):
+        return

@@ -1,0 +1,18 @@
+"""Fixtures for all tests: real data where they are, and shapes checked in every call."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+pytest_plugins = ["tests.browser", "tests.toy"]
+
+
+@pytest.fixture(scope="session")
+def test_data() -> Path:
+    """The folder of public test images, named by TENDRIL_TEST_DATA."""
+    folder = Path(os.environ.get("TENDRIL_TEST_DATA") or ROOT.parent / "shared" / "data")
+    if not folder.is_dir():
+        pytest.skip(f"no test data at {folder}: set TENDRIL_TEST_DATA")
+    return folder
