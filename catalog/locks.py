@@ -23,9 +23,11 @@ def hold_lock(
     try:
         yield
     finally:
-        if not shared:
-            path.unlink(missing_ok=True)
-        os.close(handle)
+        try:
+            if not shared:
+                path.unlink(missing_ok=True)
+        finally:
+            os.close(handle)
 
 
 def try_lock(path: Path, kind: int = fcntl.LOCK_EX) -> int | None:

@@ -178,11 +178,12 @@ class Store:
 
     def sweep(self) -> None:
         """Remove what killed processes left: a lock that is free has lost its holder."""
-        for lock in (self.root / "scratch").glob("*.lock"):
-            handle = try_lock(lock)
+        for name in {path.name.removesuffix(".lock") for path in self.root.glob("scratch/*")}:
+            folder = self.root / "scratch" / name
+            handle = try_lock(folder.with_name(f"{name}.lock"))
             if handle is not None:
-                shutil.rmtree(lock.with_suffix(""), ignore_errors=True)
-                lock.unlink(missing_ok=True)
+                shutil.rmtree(folder, ignore_errors=True)
+                folder.with_name(f"{name}.lock").unlink(missing_ok=True)
                 os.close(handle)
         for stray in self.root.glob("*.json.*"):
             stray.unlink(missing_ok=True)

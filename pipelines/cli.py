@@ -3,7 +3,9 @@
 import os
 import signal
 import sys
+import traceback
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -104,7 +106,7 @@ def run(
       tendril run anatomy --set bone_threshold_hu=250
       tendril run --case thorax_phantom --only build_surfaces --force build_surfaces
     """
-    from pipelines.running import runnable_cases
+    from pipelines.running import run_plainly, runnable_cases
     from pipelines.selection import Selection
 
     project = Project()
@@ -114,8 +116,10 @@ def run(
         print(f"{name}: skipped, its inputs are not on this machine")
     if not names:
         raise BadInput("no case to run", "a run needs a case", "see `tendril list`")
-    for name in names:
-        _run_one(project, name, settings, selection, no_prefect)
+    with ExitStack() as open_things:
+        driver = run_plainly if no_prefect else _prefect_driver(project, open_things)
+        for name in names:
+            _run_one(project, name, settings, selection, driver)
 
 
 def _absent(project: Project, pipeline: str, names: Sequence[str]) -> list[str]:
@@ -124,11 +128,9 @@ def _absent(project: Project, pipeline: str, names: Sequence[str]) -> list[str]:
 
 
 def _run_one(
-    project: Project, name: str, settings: Sequence[str], selection: Any, no_prefect: bool
+    project: Project, name: str, settings: Sequence[str], selection: Any, driver: Any
 ) -> None:
-    from contextlib import ExitStack
-
-    from pipelines.running import run_case, run_plainly
+    from pipelines.running import run_case
 
     with ExitStack() as open_things:
 
@@ -139,28 +141,28 @@ def _run_one(
             expected = expected_seconds(stages, run.history.seconds())
             return open_things.enter_context(Progress(name, stages, expected)).observe
 
-        driver = run_plainly if no_prefect else _prefect_driver(project, open_things)
         done = run_case(project, name, settings, selection, driver=driver, watch=watch)
-    if done.folder is None:
-        print(f"{name}: nothing to do, all is fresh")
-    else:
-        print(f"{name}: done, {done.computed} computed")
+    ended = "nothing to do, all is fresh" if done.folder is None else f"done, {done.computed} computed"
+    print(f"{name}: {ended}")
     page = project.root / "reports" / f"{name}.html"
     if page.exists():
         print(f"  page  {_near(page)}")
     print(f"  data  {_near(project.runs / name / 'latest')}")
 
 
-def _prefect_driver(project: Project, open_things: Any) -> Any:
-    """Return a driver that starts Prefect when, and only when, it is called."""
+def _prefect_driver(project: Project, open_things: ExitStack) -> Any:
+    """Return a driver that starts Prefect when it is first called, and keeps it for all cases."""
+    address = ""
 
     def drive(run: Any, stages: Sequence) -> None:
-        from pipelines.server import prefect_server
+        nonlocal address
+        if not address:
+            from pipelines.server import prefect_server
 
-        with prefect_server(project.data):
-            from pipelines.flows import drive as drive_flow
+            address = open_things.enter_context(prefect_server(project.data))
+        from pipelines.flows import drive as drive_flow
 
-            drive_flow(run, stages)
+        drive_flow(run, stages)
 
     return drive
 
@@ -313,15 +315,16 @@ def entry() -> None:
     try:
         code = main.main(standalone_mode=False)
         sys.exit(code if isinstance(code, int) else 0)
-    except click.Abort:
-        _end(STOPPED, "stopped")
     except click.ClickException as error:
         error.show()
         sys.exit(error.exit_code)
     except BadInput as error:
         _end(error.exit_code, f"error: {error}")
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, click.Abort):
         _end(STOPPED, "stopped; what is finished is kept, and the next run goes on from there")
+    except Exception:
+        traceback.print_exc()
+        _end(1, "failed; what is finished is kept, and the next run goes on from there")
 
 
 def _end(code: int, message: str) -> None:

@@ -136,11 +136,11 @@ class Run:
         for stage in self.job.stages:
             if stage.name in self.chosen:
                 needed |= upstream(self.job.stages, stage)
-        for planned in plan:
+        for planned in reversed(plan):
             name = planned.stage.name
             if name in needed - self.chosen and planned.state != FRESH:
                 raise BadInput(
-                    f"{name} is {planned.state}: {'; '.join(planned.reasons) or 'no record'}",
+                    "; ".join([f"{name} is {planned.state}", *planned.reasons]),
                     "what a chosen stage needs must be fresh or be chosen too",
                     f"run without --only or --from, or first `tendril run --to {name}`",
                 )

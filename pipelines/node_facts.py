@@ -17,6 +17,9 @@ from pipelines.stage import Stage
 
 # See catalog.signatures: a file that changed within the last tick may change again unseen.
 _TICK_NS = 1_000_000_000
+# The state of the source when this process first read it: modules that are loaded stay as they
+# were then, whatever is edited later.
+_first_stamp: dict[Path, list] = {}
 
 
 @dataclass(frozen=True)
@@ -51,6 +54,7 @@ class NodeReader:
         self._root, self._catalog, self._memory = root, dict(catalog), memory
         self._tree = SourceTree(root)
         self.stamp = self._stamp()
+        _first_stamp.setdefault(root, self.stamp)
         known = recall(memory)
         usable = known.get("stamp") == self.stamp and known.get("python") == sys.version
         self._known: dict[str, dict] = known.get("facts", {}) if usable else {}
@@ -69,8 +73,8 @@ class NodeReader:
         return NodeFacts(**self._known[place])
 
     def source_has_changed(self) -> bool:
-        """Return whether a source file was touched since this reader was made."""
-        return self._stamp() != self.stamp
+        """Return whether a source file was touched since this process first read the source."""
+        return self._stamp() != _first_stamp[self._root]
 
     def _remember(self) -> None:
         newest = max(row[4] for row in self.stamp)

@@ -18,7 +18,6 @@ from catalog.locks import hold_lock
 _QUIET = {
     "DO_NOT_TRACK": "1",
     "PREFECT_SERVER_ANALYTICS_ENABLED": "false",
-    "PREFECT_LOGGING_LEVEL": "WARNING",
     "PREFECT_LOGGING_TO_API_ENABLED": "false",
     "PREFECT_SERVER_LOGGING_LEVEL": "ERROR",
     "PREFECT_CLI_PROMPT": "false",
@@ -36,7 +35,11 @@ def prefect_server(data: Path, *, schedules: bool = False) -> Iterator[str]:
     schedules : whether a server of our own must also start scheduled runs.
     """
     home = data / "prefect"
-    for name, value in {**_QUIET, "PREFECT_HOME": str(home)}.items():
+    # A run tells its errors itself, and Prefect would tell them a second time.
+    level = "WARNING" if schedules else "CRITICAL"
+    for name, value in {
+        **_QUIET, "PREFECT_HOME": str(home), "PREFECT_LOGGING_LEVEL": level,
+    }.items():  # fmt: skip
         os.environ.setdefault(name, value)
     if address := os.environ.get("PREFECT_API_URL"):
         yield address

@@ -3,6 +3,8 @@
 ITK reads from disk only, so bytes go through a scratch folder; it gets no identifier to see.
 """
 
+import gzip
+import zlib
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
@@ -83,7 +85,8 @@ def read_volume(name: str, contents: Mapping[str, bytes]) -> Volume:
             for file_name, content in contents.items():
                 (Path(scratch) / file_name).write_bytes(content)
             image = sitk.ReadImage(str(Path(scratch) / name))
-    except RuntimeError:
+        _refuse_short_nifti(image, contents[name])
+    except (RuntimeError, EOFError, OSError, zlib.error):
         raise _unreadable_volume() from None
     if image.GetDimension() != 3 or image.GetNumberOfComponentsPerPixel() != 1:
         raise BadInput(
@@ -98,6 +101,17 @@ def read_volume(name: str, contents: Mapping[str, bytes]) -> Volume:
         unit="intensity",
         origin=Origin("volume file"),
     )
+
+
+def _refuse_short_nifti(image: "SimpleITK.Image", content: bytes) -> None:
+    """ITK fills what a cut-off NIfTI file lacks with zeros and says nothing."""
+    if not image.HasMetaDataKey("vox_offset"):  # another format
+        return
+    content = gzip.decompress(content) if content[:2] == b"\x1f\x8b" else content
+    pixels = image.GetNumberOfPixels() * image.GetNumberOfComponentsPerPixel()
+    stored = pixels * int(image.GetMetaData("bitpix")) // 8
+    if len(content) < float(image.GetMetaData("vox_offset")) + stored:
+        raise EOFError
 
 
 def _narrowed(voxels: Shaped[np.ndarray, "i j k"]) -> Shaped[np.ndarray, "i j k"]:

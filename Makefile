@@ -1,0 +1,26 @@
+# make run    sets everything up and runs every case whose inputs are on this machine
+# make test   sets everything up and passes the tests
+VENV ?= .venv
+BIN = $(VENV)/bin
+
+.PHONY: run test lint bench serve setup setup-test
+run: setup
+	@$(BIN)/tendril run
+
+test: setup-test lint
+	$(BIN)/python -m pytest
+
+lint: setup-test
+	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/lint-imports
+
+bench: setup
+	$(BIN)/python -m benchmarks.rerun
+
+serve: setup
+	$(BIN)/tendril serve
+
+setup:
+	@./setup.sh $(VENV) "$$(test -e '$(VENV)/ready[test]' && echo '[test]')"
+
+setup-test:
+	@./setup.sh $(VENV) "[test]"

@@ -1,0 +1,347 @@
+// 3-D view of a scene in the patient frame (LPS, mm). Scene format and build: see README.md.
+import {
+  BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, FrontSide, Group,
+  HemisphereLight, Mesh, MeshPhongMaterial, PerspectiveCamera, Scene, Sphere, Box3, Vector3,
+  WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+
+const ARRAYS = { uint8: Uint8Array, uint16: Uint16Array, uint32: Uint32Array, float32: Float32Array };
+const VIEWS = {
+  // Direction from the middle to the eye; superior and inferior lean a hair towards anterior, so
+  // that posterior is up and left stays left.
+  A: [0, -1, 0], P: [0, 1, 0], L: [1, 0, 0], R: [-1, 0, 0], S: [0, -1e-4, 1], I: [0, -1e-4, -1],
+};
+const NAMES = { A: "anterior", P: "posterior", L: "left", R: "right", S: "superior", I: "inferior" };
+const FIELD_OF_VIEW_DEG = 28;
+
+// ---- decoding ---------------------------------------------------------------------------------
+function decodeBase64(text) {
+  return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+}
+
+function readArray(buffers, description) {
+  return new ARRAYS[description.type](buffers[description.buffer].buffer);
+}
+
+function readPoints(buffers, description) {
+  const stored = readArray(buffers, description);
+  if (!description.step) return Float32Array.from(stored);
+  return Float32Array.from(stored, (n, at) => (
+    description.origin[at % 3] + n * description.step[at % 3]
+  ));
+}
+
+// ---- objects: one function for each kind --------------------------------------------------------
+const BUILDERS = { mesh: buildMesh };
+
+function buildMesh(object, buffers) {
+  let geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(readPoints(buffers, object.vertices), 3));
+  geometry.setIndex(new BufferAttribute(readArray(buffers, object.triangles), 1));
+  if (object.vertex_colours) {
+    const colours = readArray(buffers, object.vertex_colours);
+    geometry.setAttribute("color", new BufferAttribute(colours, 3, true));
+  }
+  if (object.triangle_colours) {
+    geometry = paintTriangles(geometry, readArray(buffers, object.triangle_colours));
+  }
+  geometry.computeVertexNormals();
+  const material = new MeshPhongMaterial({
+    color: new Color(geometry.hasAttribute("color") ? "#ffffff" : object.colour),
+    vertexColors: geometry.hasAttribute("color"),
+    specular: new Color("#222222"),
+    shininess: 30,
+  });
+  material.onBeforeCompile = glaze;
+  return new Mesh(geometry, material);
+}
+
+function paintTriangles(geometry, colours) {
+  // Colours that belong to triangles need vertices of their own.
+  const loose = geometry.toNonIndexed();
+  const repeated = new Uint8Array(colours.length * 3);
+  for (let n = 0; n < repeated.length; n += 1) {
+    repeated[n] = colours[3 * Math.floor(n / 9) + (n % 3)];
+  }
+  loose.setAttribute("color", new BufferAttribute(repeated, 3, true));
+  return loose;
+}
+
+function glaze(shader) {
+  // A translucent skin is denser where it is seen edge-on, as glass is: its outline stays readable
+  // while the view into its middle is clear.
+  shader.fragmentShader = shader.fragmentShader.replace(
+    "#include <opaque_fragment>",
+    `if (opacity < 1.0) {
+       float facing = abs(dot(normalize(normal), normalize(vViewPosition)));
+       diffuseColor.a *= mix(2.2, 0.6, smoothstep(0.0, 0.7, facing));
+       diffuseColor.a = min(diffuseColor.a, 1.0);
+     }
+     #include <opaque_fragment>`,
+  );
+}
+
+function setOpacity(mesh, opacity) {
+  const { material } = mesh;
+  material.opacity = opacity;
+  material.transparent = opacity < 1;
+  material.depthWrite = opacity >= 1;
+  // The far side of a skin would only veil what lies inside.
+  material.side = opacity < 1 ? FrontSide : DoubleSide;
+  material.needsUpdate = true;
+}
+
+// ---- one viewer -------------------------------------------------------------------------------
+class Viewer {
+  constructor(root) {
+    this.root = root;
+    this.canvas = root.querySelector("canvas");
+    this.stage = root.querySelector(".stage");
+    const data = JSON.parse(root.querySelector("script[type='application/json']").textContent);
+    this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true, preserveDrawingBuffer: true });
+    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
+    this.scene = new Scene();
+    this.content = new Group();
+    this.scene.add(this.content);
+    this.camera = new PerspectiveCamera(FIELD_OF_VIEW_DEG, 1, 1, 10000);
+    this.camera.up.set(0, 0, 1);
+    this.build(data);
+    this.light();
+    this.control();
+    this.addViews();
+    this.addLetters();
+    this.follow();
+    this.resize();
+    this.look("A", 0.35);
+  }
+
+  build(data) {
+    const buffers = data.buffers.map(decodeBase64);
+    const parts = this.root.querySelector(".parts");
+    for (const object of data.objects) {
+      const builder = BUILDERS[object.kind];
+      if (!builder) throw new Error(`This viewer knows no object of the kind ${object.kind}.`);
+      const item = builder(object, buffers);
+      item.name = object.name;
+      item.visible = object.visible ?? true;
+      setOpacity(item, object.opacity ?? 1);
+      this.content.add(item);
+      parts.append(this.makePart(item, object));
+    }
+    this.box = new Box3().setFromObject(this.content);
+    if (this.box.isEmpty()) this.box.set(new Vector3(-1, -1, -1), new Vector3(1, 1, 1));
+    this.sphere = this.box.getBoundingSphere(new Sphere());
+    this.sortBySize();
+    const size = this.box.getSize(new Vector3()).toArray().map((mm) => mm.toFixed(0));
+    const [wide, deep, high] = size;
+    this.root.querySelector(".extent").textContent =
+      `All together: ${wide} mm wide, ${deep} mm deep, ${high} mm high.`;
+  }
+
+  sortBySize() {
+    // Translucent parts are blended from the inside out: what is larger lies around what is smaller.
+    for (const item of this.content.children) {
+      const size = new Box3().setFromObject(item).getSize(new Vector3());
+      item.renderOrder = size.x * size.y * size.z;
+    }
+  }
+
+  light() {
+    this.scene.add(new HemisphereLight("#ffffff", "#8a8f98", 1.5));
+    const key = new DirectionalLight("#ffffff", 1.9);
+    key.position.set(-0.6, 0.8, 1); // over the viewer's left shoulder, wherever the viewer is
+    this.camera.add(key);
+    this.camera.add(key.target);
+    key.target.position.set(0, 0, -1);
+    this.scene.add(this.camera);
+  }
+
+  control() {
+    this.controls = new OrbitControls(this.camera, this.canvas);
+    this.controls.enableDamping = false;
+    this.controls.minDistance = this.sphere.radius * 0.2;
+    this.controls.maxDistance = this.sphere.radius * 20;
+    this.controls.addEventListener("change", () => this.draw());
+    // The wheel zooms only after a click, so that it does not catch a reader who scrolls past.
+    this.controls.enableZoom = false;
+    this.canvas.addEventListener("focus", () => { this.controls.enableZoom = true; });
+    this.canvas.addEventListener("blur", () => { this.controls.enableZoom = false; });
+    this.canvas.addEventListener("pointerdown", (event) => {
+      this.canvas.focus({ preventScroll: true });
+      this.controls.enableZoom = true;
+      if (event.pointerType === "touch") this.root.dataset.touched = "true";
+    }, { capture: true });
+    this.canvas.addEventListener("keydown", (event) => this.pressKey(event));
+  }
+
+  pressKey(event) {
+    const step = Math.PI / 24;
+    const turn = { ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, -step], ArrowDown: [0, step] };
+    const zoom = { "+": 0.9, "=": 0.9, "-": 1 / 0.9 };
+    if (turn[event.key]) this.turn(...turn[event.key]);
+    else if (zoom[event.key]) this.zoom(zoom[event.key]);
+    else return;
+    event.preventDefault();
+  }
+
+  turn(around, over) {
+    const arm = this.camera.position.clone().sub(this.controls.target);
+    const polar = Math.acos(arm.z / arm.length()) + over;
+    const azimuth = Math.atan2(arm.y, arm.x) + around;
+    const safe = Math.min(Math.PI - 1e-4, Math.max(1e-4, polar));
+    arm.setLength(arm.length()).set(
+      arm.length() * Math.sin(safe) * Math.cos(azimuth),
+      arm.length() * Math.sin(safe) * Math.sin(azimuth),
+      arm.length() * Math.cos(safe),
+    );
+    this.camera.position.copy(this.controls.target).add(arm);
+    this.controls.update();
+  }
+
+  zoom(factor) {
+    this.camera.position.sub(this.controls.target).multiplyScalar(factor).add(this.controls.target);
+    this.controls.update();
+  }
+
+  fit(direction) {
+    // The least distance from which every corner of the box and its letters are in the picture.
+    const right = new Vector3().crossVectors(this.camera.up, direction).normalize();
+    const up = new Vector3().crossVectors(direction, right);
+    const tangent = Math.tan((FIELD_OF_VIEW_DEG / 2) * (Math.PI / 180));
+    const { min, max } = this.box.clone().expandByScalar(this.sphere.radius * 0.08);
+    let distance = this.sphere.radius;
+    for (let corner = 0; corner < 8; corner += 1) {
+      const arm = new Vector3(
+        corner & 1 ? max.x : min.x, corner & 2 ? max.y : min.y, corner & 4 ? max.z : min.z,
+      ).sub(this.sphere.center);
+      const near = arm.dot(direction);
+      const high = Math.abs(arm.dot(up)) / tangent;
+      const wide = Math.abs(arm.dot(right)) / (tangent * this.camera.aspect);
+      distance = Math.max(distance, near + high, near + wide);
+    }
+    return distance;
+  }
+
+  look(name, lean = 0) {
+    // Look from one side of the patient; `lean` turns the eye a little left and up, in radians.
+    const direction = new Vector3(...VIEWS[name]);
+    direction.x += Math.sin(lean);
+    direction.z += Math.sin(lean) / 2;
+    const distance = this.fit(direction.normalize());
+    this.controls.target.copy(this.sphere.center);
+    this.camera.position.copy(direction.setLength(distance)).add(this.sphere.center);
+    this.camera.near = distance / 100;
+    this.camera.far = distance * 30;
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.draw();
+  }
+
+  addViews() {
+    const box = this.root.querySelector(".views");
+    for (const [name, meaning] of Object.entries(NAMES)) {
+      box.append(makeButton(name, `from ${meaning}`, () => this.look(name)));
+    }
+    box.append(makeButton("Reset", "the view at first", () => this.look("A", 0.35)));
+  }
+
+  makePart(item, object) {
+    const row = document.createElement("div");
+    row.className = "part";
+    const name = document.createElement("label");
+    const box = document.createElement("input");
+    // Browsers that remember the state of forms would let boxes and picture disagree.
+    Object.assign(box, { type: "checkbox", checked: item.visible, autocomplete: "off" });
+    box.addEventListener("change", () => { item.visible = box.checked; this.draw(); });
+    const swatch = document.createElement("span");
+    swatch.className = "swatch";
+    swatch.style.background = object.colour;
+    name.append(box, swatch, object.name);
+    const opacity = document.createElement("input");
+    Object.assign(opacity, {
+      type: "range", min: 0.05, max: 1, step: 0.05, defaultValue: item.material.opacity, autocomplete: "off",
+    });
+    opacity.setAttribute("aria-label", `Opacity of ${object.name}`);
+    opacity.addEventListener("input", () => { setOpacity(item, Number(opacity.value)); this.draw(); });
+    row.append(name, opacity);
+    return row;
+  }
+
+  addLetters() {
+    const axes = this.root.querySelector(".axes");
+    const middle = this.box.getCenter(new Vector3());
+    const half = this.box.getSize(new Vector3()).multiplyScalar(0.5).addScalar(this.sphere.radius * 0.07);
+    this.letters = Object.keys(NAMES).map((name) => {
+      const element = document.createElement("span");
+      element.textContent = name;
+      element.title = NAMES[name];
+      axes.append(element);
+      const out = new Vector3(...VIEWS[name].map(Math.round));
+      return { element, out, place: out.clone().multiply(half).add(middle) };
+    });
+  }
+
+  follow() {
+    new ResizeObserver(() => this.resize()).observe(this.stage);
+    const dark = window.matchMedia("(prefers-color-scheme: dark)");
+    dark.addEventListener("change", () => this.draw());
+    const paper = window.matchMedia("print");
+    paper.addEventListener("change", () => this.drawNow());
+  }
+
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.stage;
+    if (!width || !height) return;
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.drawNow();
+  }
+
+  draw() {
+    if (this.waiting) return;
+    this.waiting = true;
+    requestAnimationFrame(() => { this.waiting = false; this.drawNow(); });
+  }
+
+  drawNow() {
+    this.renderer.setClearColor(getComputedStyle(this.stage).backgroundColor);
+    this.renderer.render(this.scene, this.camera);
+    this.placeLetters();
+    this.root.dataset.drawn = Number(this.root.dataset.drawn ?? 0) + 1;
+  }
+
+  placeLetters() {
+    const { clientWidth: width, clientHeight: height } = this.stage;
+    const eye = this.camera.position.clone().sub(this.sphere.center).normalize();
+    for (const { element, out, place } of this.letters) {
+      const screen = place.clone().project(this.camera);
+      const facing = out.dot(eye);
+      const x = ((screen.x + 1) / 2) * width;
+      const y = ((1 - screen.y) / 2) * height;
+      element.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) translate(-50%, -50%)`;
+      // A letter that points at the eye or away from it would lie on the picture's middle.
+      element.style.opacity = Math.abs(facing) > 0.93 ? 0 : facing < -0.2 ? 0.45 : 1;
+    }
+  }
+}
+
+function makeButton(text, title, act) {
+  const button = document.createElement("button");
+  Object.assign(button, { type: "button", textContent: text, title });
+  button.addEventListener("click", act);
+  return button;
+}
+
+for (const root of document.querySelectorAll(".viewer3d")) {
+  try {
+    root.viewer = new Viewer(root);
+    root.dataset.state = "ready";
+  } catch (error) {
+    root.dataset.state = "failed";
+    const failure = root.querySelector(".failure");
+    failure.hidden = false;
+    failure.textContent = `The 3-D view cannot be shown: ${error.message}`;
+  }
+}

@@ -1,0 +1,21 @@
+from nodes.geometry.origin import Origin
+from nodes.reporting.honesty import gather_warnings, warnings_of
+
+
+def test_what_is_simulated_is_said_first():
+    real = Origin("a scan", notices=("Slices 5 mm apart.",))
+    phantom = Origin("a phantom", True, ("Slices 5 mm apart.", "No noise."))
+    assert warnings_of(real, phantom) == (
+        "simulated: a phantom",
+        "Slices 5 mm apart.",
+        "No noise.",
+    )
+
+
+def test_a_real_scan_without_notices_warns_of_nothing():
+    assert warnings_of(Origin("a scan")) == ()
+
+
+def test_a_page_says_each_warning_once_and_parts_what_is_simulated():
+    groups = (("simulated: a", "x"), ("x", "simulated: a", "simulated: b"), ())
+    assert gather_warnings(groups) == (("simulated: a", "simulated: b"), ("x",))

@@ -1,0 +1,32 @@
+import pytest
+from jinja2 import UndefinedError
+
+from nodes.reporting.rendering import format_seconds, render_template
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [
+        (0, "0 ms"),
+        (0.012, "12 ms"),
+        (0.0999, "0.1 s"),
+        (9.96, "10 s"),
+        (99, "99 s"),
+        (100, "2 min"),
+        (3600, "60 min"),
+        (7200, "2.0 h"),
+    ],
+)
+def test_seconds_read_as_people_say_them(seconds, text):
+    assert format_seconds(seconds) == text
+
+
+def test_a_missing_value_is_an_error():
+    with pytest.raises(UndefinedError):
+        render_template("table.html", {"heads": []})
+
+
+def test_text_is_escaped(hostile):
+    head = {"name": hostile, "unit": "", "number": False}
+    html = render_template("table.html", {"heads": [head], "rows": []})
+    assert "<script" not in html and "&lt;script&gt;" in html

@@ -1,0 +1,79 @@
+from html.parser import HTMLParser
+
+import pandas
+import pytest
+
+from nodes.reporting.show_table import show_table
+
+
+class Cells(HTMLParser):
+    """Collects (tag, class, text) of the cells of a table."""
+
+    def __init__(self, html):
+        super().__init__()
+        self.cells, self.inside = [], False
+        self.feed(html)
+
+    def handle_starttag(self, tag, attrs):
+        if tag in ("td", "th"):
+            self.cells.append([tag, dict(attrs).get("class", ""), ""])
+            self.inside = True
+
+    def handle_endtag(self, tag):
+        self.inside = self.inside and tag not in ("td", "th")
+
+    def handle_data(self, data):
+        if self.inside:
+            self.cells[-1][2] += data
+
+
+@pytest.fixture
+def cells(defaults):
+    def cells(table, **changes):
+        return Cells(show_table(table, defaults("show_measures", **changes)).html).cells
+
+    return cells
+
+
+def test_numbers_stand_right_and_words_left(cells):
+    found = cells(pandas.DataFrame({"name": ["lung"], "parts": [2], "volume_ml": [4321.126]}))
+    assert [(kind, text) for tag, kind, text in found if tag == "td"] == [
+        ("", "lung"),
+        ("number", "2"),
+        ("number", "4321.1"),
+    ]
+
+
+def test_decimals_are_a_parameter(cells):
+    found = cells(pandas.DataFrame({"dice": [0.98765]}), decimals=3)
+    assert found[-1][2] == "0.988"
+
+
+@pytest.mark.parametrize(
+    ("column", "head"),
+    [
+        ("volume_ml", "volume ml"),
+        ("area_mm2", "area mm²"),
+        ("wall_hu", "wall HU"),
+        ("number_of_parts", "number of parts"),
+        ("s", "s"),
+        (3, "3"),
+    ],
+)
+def test_units_come_from_the_column_names(cells, column, head):
+    assert cells(pandas.DataFrame({column: [1.0]}))[0][2] == head
+
+
+def test_what_is_missing_is_a_dash(cells):
+    found = cells(pandas.DataFrame({"dice": [float("nan"), 0.5], "word": ["a", None]}))
+    assert [text for tag, _, text in found if tag == "td"] == ["–", "a", "0.5", "–"]
+    assert found[0][1] == "number"
+
+
+def test_a_table_without_rows_says_so(cells):
+    assert cells(pandas.DataFrame({"dice": []}))[-1][2] == "no rows"
+
+
+def test_words_stay_text(cells, hostile):
+    found = cells(pandas.DataFrame({hostile: [hostile]}))
+    assert [text for *_, text in found] == [hostile.replace("_", " "), hostile]
