@@ -52,7 +52,9 @@ class Dataset(BaseModel):
 def load_catalog(path: Path) -> dict[str, Dataset]:
     """Return the datasets of catalog.yml by name, each entry checked."""
     entries = load_mapping(path)
-    return {name: validate(Dataset, entry, f"{path.name}: {name}") for name, entry in entries.items()}
+    return {
+        name: validate(Dataset, entry, f"{path.name}: {name}") for name, entry in entries.items()
+    }
 
 
 def find_dataset(catalog: dict[str, Dataset], name: str) -> Dataset:

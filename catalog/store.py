@@ -26,7 +26,7 @@ from nodes.errors import BadInput
 
 
 class Damaged(Exception):
-    """An object whose bytes are not those of its name, or that is gone; its hash is the argument."""
+    """An object is gone, or its bytes are not those of its name; the argument is its hash."""
 
 
 class StoreFailure(BadInput):

@@ -34,7 +34,9 @@ def nearest(name: str, known: Iterable[str]) -> str:
 def unknown(kind: str, name: str, known: Iterable[str]) -> BadInput:
     """Return the error for a name that does not exist."""
     known = list(known)
-    return BadInput(f"no {kind} {name}", f"it must be one of {len(known)} names", nearest(name, known))
+    return BadInput(
+        f"no {kind} {name}", f"it must be one of {len(known)} names", nearest(name, known)
+    )
 
 
 def _explain(model: type[BaseModel], error: ValidationError, where: str) -> BadInput:

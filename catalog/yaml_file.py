@@ -17,7 +17,8 @@ def _mapping_once(loader: _Loader, node: yaml.MappingNode) -> dict:
     for place, key in enumerate(keys):
         if key in keys[:place]:
             raise yaml.MarkedYAMLError(
-                problem=f"the key {key!r} stands twice", problem_mark=node.value[place][0].start_mark
+                problem=f"the key {key!r} stands twice",
+                problem_mark=node.value[place][0].start_mark,
             )
     return loader.construct_mapping(node, deep=True)
 

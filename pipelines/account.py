@@ -34,7 +34,7 @@ def tell_run(run: "Run") -> RunAccount:
     )
 
 
-def _tell_stage(run: "Run", stage) -> StageAccount:  # noqa: ANN001
+def _tell_stage(run: "Run", stage) -> StageAccount:
     outcome = run.outcomes.get(stage.name)
     summary = run.project.reader.facts(stage).summary
     if outcome is None:

@@ -142,7 +142,9 @@ def _run_one(
             return open_things.enter_context(Progress(name, stages, expected)).observe
 
         done = run_case(project, name, settings, selection, driver=driver, watch=watch)
-    ended = "nothing to do, all is fresh" if done.folder is None else f"done, {done.computed} computed"
+    ended = (
+        "nothing to do, all is fresh" if done.folder is None else f"done, {done.computed} computed"
+    )
     print(f"{name}: {ended}")
     page = project.root / "reports" / f"{name}.html"
     if page.exists():
@@ -222,10 +224,14 @@ class _LazyCommand(click.Command):
         if not self.params[1:]:
             for name, dataset in Project().catalog.items():
                 if dataset.option:
-                    option = click.Option([dataset.option, name], metavar="DIR|FILE", help=dataset.about)
+                    option = click.Option(
+                        [dataset.option, name], metavar="DIR|FILE", help=dataset.about
+                    )
                     self.params.append(option)
             self.params.append(click.Option(["--title"], help="Heading of the case's page."))
-            self.params.append(click.Option(["--pipeline"], help="Where several take these inputs."))
+            self.params.append(
+                click.Option(["--pipeline"], help="Where several take these inputs.")
+            )
         return super().get_params(ctx)
 
 
@@ -280,7 +286,9 @@ def serve() -> None:
 
 
 @main.command()
-@click.option("--keep", default=1, show_default=True, metavar="N", help="Runs to keep of each case.")
+@click.option(
+    "--keep", default=1, show_default=True, metavar="N", help="Runs to keep of each case."
+)
 @click.option("--dry-run", is_flag=True, help="Only tell what would go.")
 def clean(keep: int, dry_run: bool) -> None:
     """Drop artefacts that no kept run uses.

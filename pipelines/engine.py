@@ -84,7 +84,7 @@ class Run:
         return plan
 
     def verify(self) -> None:
-        """Read every byte of the inputs and of the last artefacts again, whatever file times say."""
+        """Read every byte of inputs and artefacts again, whatever the times of files say."""
         signatures = self.project.store.signatures
         for name, path in self.job.inputs.items():
             self.hashes[name] = signatures.hash_path(path, again=True) or ""
@@ -199,7 +199,7 @@ class Run:
         }
         if self.project.reader.source_has_changed():
             raise BadInput(
-                f"source code was edited while {stage.name} was computed or since this Python began",
+                f"source was edited while {stage.name} was computed, or since this Python began",
                 "a result counts only for the code that made it",
                 "run again (in a notebook: restart the kernel)",
             )

@@ -49,7 +49,9 @@ class History:
 
     def seconds(self) -> dict[str, float]:
         """Return how long each stage took when it was last computed."""
-        keys = {name: key for told in reversed(list(self._told())) for name, key in told["keys"].items()}
+        keys = {
+            name: key for told in reversed(list(self._told())) for name, key in told["keys"].items()
+        }
         records = {name: self.project.store.read_record(key) for name, key in keys.items()}
         return {name: record.seconds for name, record in records.items() if record}
 

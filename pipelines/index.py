@@ -22,7 +22,7 @@ def publish_index(project: "Project") -> None:
     publish(project, index_path(project), page.html.encode("utf-8"))
 
 
-def _tell_case(project: "Project", name: str):  # noqa: ANN202
+def _tell_case(project: "Project", name: str):
     from nodes.errors import BadInput
     from nodes.reporting.artefacts import CaseLine
 

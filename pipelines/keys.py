@@ -10,7 +10,9 @@ from pipelines.stage import ACCOUNT, Stage
 from pipelines.versions import package_versions
 
 
-def made_from(project: Project, job: Job, stage: Stage, hashes: Mapping[str, str]) -> dict[str, Any]:
+def made_from(
+    project: Project, job: Job, stage: Stage, hashes: Mapping[str, str]
+) -> dict[str, Any]:
     """Return, part by part, what a stage's result depends on.
 
     Parameters
@@ -54,7 +56,9 @@ def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
     for name, old, new in _changes(before["parameters"], now["parameters"]):
         reasons.append(f"parameter {name}: {old} -> {new}")
     for name, _, _ in _changes(before["inputs"], now["inputs"]):
-        reasons.append("what the page tells has changed" if name == ACCOUNT else f"input {name} changed")
+        reasons.append(
+            "what the page tells has changed" if name == ACCOUNT else f"input {name} changed"
+        )
     for name, old, new in _changes(before["code"], now["code"]):
         verb = "is new" if old is None else "is gone" if new is None else "was edited"
         reasons.append(f"code {name.removeprefix('nodes.')} {verb}")

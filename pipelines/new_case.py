@@ -36,7 +36,9 @@ def write_case(
     check_case_name(name)
     path = project.cases_folder / f"{name}.yml"
     if path.exists():
-        raise BadInput(f"case {name}", "a case is never overwritten", f"choose another name than {path.name}")
+        raise BadInput(
+            f"case {name}", "a case is never overwritten", f"choose another name than {path.name}"
+        )
     absolute = {dataset: _existing(dataset, written) for dataset, written in inputs.items()}
     chosen = pipeline or _find_pipeline(project, set(inputs))
     head = {"title": title or name, "pipeline": chosen, "inputs": absolute}

@@ -30,7 +30,9 @@ class OpenedCase:
         self.project, self.name, self.settings = project, name, tuple(settings)
         self.job = project.job(name, settings)
 
-    def run(self, *, first: str = "", last: str = "", only: str = "", force: Sequence[str] = ()) -> CaseRun:
+    def run(
+        self, *, first: str = "", last: str = "", only: str = "", force: Sequence[str] = ()
+    ) -> CaseRun:
         """Bring the case up to date in plain Python; the arguments are those of `tendril run`."""
         selection = Selection(first, last, only, tuple(force))
         return run_case(self.project, self.name, self.settings, selection)

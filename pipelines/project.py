@@ -88,7 +88,9 @@ class Project:
             facts = self.reader.facts(stage)
             if not facts.parameters:
                 if stage.name in written:
-                    raise unknown("parameter of", f"{stage.name}.{next(iter(written[stage.name]))}", [])
+                    raise unknown(
+                        "parameter of", f"{stage.name}.{next(iter(written[stage.name]))}", []
+                    )
                 continue
             model = facts.parameters_type()
             file = self.root / "catalog" / "parameters" / f"{stage.name}.yml"

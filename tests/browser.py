@@ -48,11 +48,11 @@ class Watched:
     page_errors: list[str] = field(default_factory=list)
     requests_outside: list[str] = field(default_factory=list)
 
-    def note_message(self, message) -> None:  # noqa: ANN001
+    def note_message(self, message) -> None:
         if message.type == "error":
             self.console_errors.append(message.text)
 
-    def note_request(self, request) -> None:  # noqa: ANN001
+    def note_request(self, request) -> None:
         if not request.url.startswith(INSIDE):
             self.requests_outside.append(request.url)
 
@@ -119,7 +119,7 @@ def serve_pages(browser: tuple, folder: Path) -> Iterator[Callable[..., WatchedP
             path.write_text(page, encoding="utf-8")
         watched = Watched()
 
-        def start():  # noqa: ANN202
+        def start():
             context = chromium.new_context(
                 viewport={"width": width, "height": height},
                 color_scheme="dark" if dark else "light",

@@ -4,6 +4,7 @@ All distances are negative inside and, near the surface, right to first order: a
 over the length of its gradient [Taubin1994]. Solids meet by `np.maximum` and join by `np.minimum`.
 """
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -76,7 +77,7 @@ def tube(
     around = _box_around(points, course, radius + reach)
     local = _cut(points, around)
     distance = np.full(tuple(p.size for p in local), np.float32(1e3))
-    for start, end in zip(course[:-1], course[1:], strict=True):
+    for start, end in pairwise(course):
         part = _box_around(local, np.stack([start, end]), radius + reach)
         view = distance[part]
         np.minimum(view, _from_segment(_cut(local, part), start, end), out=view)

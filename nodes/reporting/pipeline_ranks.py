@@ -15,7 +15,7 @@ SWEEPS = 4
 """Times that the rows are ordered, down and up; pictures of 30 stages stop changing before."""
 
 
-@dataclass
+@dataclass(eq=False)
 class Node:
     """A thing that takes room in a row: a stage, an input, or the waypoint of a passing arrow."""
 
@@ -26,7 +26,7 @@ class Node:
     below: list["Node"] = field(default_factory=list)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Net:
     """One dataset: from its source (None where nothing shown makes it) along its waypoints to all
     that read it."""

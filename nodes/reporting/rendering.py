@@ -17,6 +17,7 @@ def render_template(name: str, values: Mapping[str, object]) -> str:
         lstrip_blocks=True,
     )
     environment.filters["seconds"] = format_seconds
+    environment.filters["moment"] = format_moment
     return environment.get_template(name).render(values)
 
 
@@ -30,3 +31,10 @@ def format_seconds(seconds: float) -> str:
         return f"{seconds:.0f} s"
     minutes = round(seconds / 60)
     return f"{minutes} min" if minutes < 100 else f"{seconds / 3600:.1f} h"
+
+
+def format_moment(text: str) -> str:
+    """Return "2025-01-03 14:02:11 UTC" for "2025-01-03T14:02:11Z", and other text unchanged."""
+    from re import sub
+
+    return sub(r"^(\d{4}-\d\d-\d\d)T(\d\d:\d\d:\d\d)(\.\d+)?Z$", r"\1 \2 UTC", text)

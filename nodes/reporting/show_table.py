@@ -60,5 +60,5 @@ def show_value(value: object, decimals: int) -> tuple[str, bool]:
     if isinstance(value, Real) and not isinstance(value, bool):
         if isinstance(value, Integral):
             return f"{int(value)}", True
-        return (f"{value:.{decimals}f}" if isfinite(value) else "–"), True
-    return ("–" if value is None else str(value)), value is None
+        return (f"{value:.{decimals}f}" if isfinite(value) else "\u2013"), True
+    return ("\u2013" if value is None else str(value)), value is None

@@ -21,6 +21,9 @@ from nodes.reporting.slicing import (
     to_grey,
 )
 
+LEAST_WIDTH = 1e-6
+"""Width of the window of a volume whose voxels are all alike; any width shows it as it is."""
+
 
 @dataclass(frozen=True)
 class SliceData:
@@ -126,17 +129,18 @@ def scale_of_intensities(
 ) -> GreyScale:
     """Return a straight scale from least to greatest value, and windows for it."""
     finite = values[np.isfinite(values)]
-    ends = (finite.min(), finite.max()) if finite.size else (0.0, 1.0)
-    inner = np.percentile(finite, percentiles) if finite.size else ends
+    shown = finite if finite.size else np.array([0.0, 1.0])
+    low, high = float(shown.min()), float(shown.max())
+    start, end = map(float, np.percentile(shown, percentiles))
     name = f"{percentiles[0]:g}\u2013{percentiles[1]:g} %"
-    windows = (window_between(name, *inner), window_between("min\u2013max", *ends))
-    low, high = float(ends[0]), float(max(ends[1], ends[0] + 1e-6 * max(1.0, abs(ends[0]))))
-    return GreyScale((low, high), (0.0, 255.0), windows, name)
+    windows = (window_between(name, start, end), window_between("min\u2013max", low, high))
+    top = max(high, low + LEAST_WIDTH * max(1.0, abs(low)))
+    return GreyScale((low, top), (0.0, 255.0), windows, name)
 
 
 def window_between(name: str, low: float, high: float) -> tuple[str, float, float]:
     """Return the window (name, level, width) from one value to another."""
-    return name, float(low + high) / 2, max(float(high - low), 1e-6)
+    return name, (low + high) / 2, max(high - low, LEAST_WIDTH)
 
 
 def describe_grid(

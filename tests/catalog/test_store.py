@@ -39,7 +39,7 @@ def at_line(number: int, act: Callable[[], None]) -> Callable:
     """Return a trace function that acts at the n-th line run in the store's own modules."""
     left = [number]
 
-    def trace(frame, event, argument):  # noqa: ANN001, ANN202
+    def trace(frame, event, argument):
         if frame.f_code.co_filename not in WATCHED:
             return None
         if event == "line":

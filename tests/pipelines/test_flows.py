@@ -3,8 +3,8 @@
 import os
 import signal
 import socket
-import subprocess
 import sqlite3
+import subprocess
 import sys
 import textwrap
 import time
@@ -56,7 +56,8 @@ def test_each_run_links_its_page_as_an_artifact(flown: Toy) -> None:
 
 def test_a_flow_is_named_after_pipeline_and_case(flown: Toy) -> None:
     rows = database_rows(
-        flown, "select flow.name, flow_run.name, state_name from flow_run join flow on flow.id = flow_id"
+        flown,
+        "select flow.name, flow_run.name, state_name from flow_run join flow on flow.id = flow_id",
     )
     assert rows == [("toy", "one", "Completed")] * 2
 

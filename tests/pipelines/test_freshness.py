@@ -208,7 +208,9 @@ def test_source_edited_during_a_run_does_not_count_as_done(toy: Toy) -> None:
 
 
 def test_two_runs_at_once_share_the_work(toy: Toy) -> None:
-    toy.edit("nodes/toy/double_numbers.py", "return {", "import time\n    time.sleep(1.5)\n    return {")
+    toy.edit(
+        "nodes/toy/double_numbers.py", "return {", "import time\n    time.sleep(1.5)\n    return {"
+    )
     words = toy.command("run", "--no-prefect", "--case", "one")
     runs = [
         subprocess.Popen(words, cwd=toy.root, stdout=subprocess.PIPE, text=True) for _ in range(2)

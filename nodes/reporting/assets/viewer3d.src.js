@@ -228,7 +228,8 @@ class Viewer {
     const direction = new Vector3(...VIEWS[name]);
     direction.x += Math.sin(lean);
     direction.z += Math.sin(lean) / 2;
-    const distance = this.fit(direction.normalize());
+    // Bodies are round: the corners of their boxes are empty, and may be cut a little.
+    const distance = 0.9 * this.fit(direction.normalize());
     this.controls.target.copy(this.sphere.center);
     this.camera.position.copy(direction.setLength(distance)).add(this.sphere.center);
     this.camera.near = distance / 100;

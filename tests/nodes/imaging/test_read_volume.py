@@ -85,7 +85,7 @@ def test_a_plane_shifted_sideways_is_refused():
     moved = slices[3].patient_from_pixel.copy()
     moved[:3, 3] += moved[:3, 0]
     slices[3] = replace(slices[3], patient_from_pixel=moved)
-    with pytest.raises(BadInput, match="sideways by up to 0.50 mm"):
+    with pytest.raises(BadInput, match=r"sideways by up to 0.50 mm"):
         read_volume(ImageFiles(tuple(slices)), PARAMETERS)
 
 
@@ -196,5 +196,5 @@ def test_a_real_tilted_head_is_refused_and_the_straight_one_read(test_data):
     assert volume.voxels.shape[2] == len(heights)
     steps = {round(high - low, 3) for low, high in pairwise(heights)}
     assert steps == {round(float(volume.patient_from_index[2, 2]), 3)}
-    with pytest.raises(BadInput, match="leans by 16.5 deg"):
+    with pytest.raises(BadInput, match=r"leans by 16.5 deg"):
         read_volume(tilted, PARAMETERS)

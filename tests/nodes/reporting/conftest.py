@@ -110,7 +110,7 @@ def run_account() -> RunAccount:
         make_stage("show_surfaces", "surfaces", "surfaces_section"),
         make_stage("show_slices", "ct label_map", "slices_section"),
         make_stage(
-            "build_case_page", "surfaces_section slices_section run_account", "page", "running", 0
+            "build_case_page", "surfaces_section slices_section run_account", "page", "running", 0.0
         ),
     )
     changed = ChangedParameter("segment_ct", "air_hu", "-450", "-400", "Below this is air, in HU.")

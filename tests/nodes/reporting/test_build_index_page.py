@@ -20,7 +20,7 @@ def test_every_case_is_told_with_status_time_and_link():
 
 
 def test_warnings_of_a_case_are_shown_with_what_is_simulated_first():
-    warned = CaseLine("a", "A", "p", "complete", "", 1, "", ("Thick.", "simulated: a phantom"))
+    warned = CaseLine("a", "A", "p", "complete", "", 1.0, "", ("Thick.", "simulated: a phantom"))
     html = build_index_page(cases=(warned,)).html
     assert html.index("simulated: a phantom") < html.index("Thick.")
 
@@ -36,7 +36,7 @@ def test_warnings_of_a_case_are_shown_with_what_is_simulated_first():
     ],
 )
 def test_a_link_that_leads_elsewhere_is_no_link(link):
-    html = build_index_page(cases=(CaseLine("a", "A", "p", "complete", "", 1, link),)).html
+    html = build_index_page(cases=(CaseLine("a", "A", "p", "complete", "", 1.0, link),)).html
     assert "<a " not in html
 
 
@@ -45,5 +45,5 @@ def test_no_case_is_said(hostile):
 
 
 def test_texts_stay_text(hostile):
-    case = CaseLine(hostile, hostile, hostile, hostile, hostile, 1, "a.html", (hostile,))
+    case = CaseLine(hostile, hostile, hostile, hostile, hostile, 1.0, "a.html", (hostile,))
     assert "<script" not in build_index_page(cases=(case,)).html

@@ -64,7 +64,7 @@ def outside():
     asked = []
 
     class Counter(BaseHTTPRequestHandler):
-        def do_GET(self):  # noqa: N802
+        def do_GET(self):
             asked.append(self.path)
             self.send_error(404)
 

@@ -70,7 +70,9 @@ def test_every_reading_is_an_arrow_that_ends_at_its_reader(run_account):
 
 
 def test_names_are_text_whatever_they_hold(hostile):
-    stage = StageAccount(hostile, hostile, (hostile,), (hostile + "2",), "computed", (), 1, "", ())
+    stage = StageAccount(
+        hostile, hostile, (hostile,), (hostile + "2",), "computed", (), 1.0, "", ()
+    )
     tree = draw((stage,), inputs=(hostile,))
     assert {texts[0] for *_, texts in boxes_of(tree)} == {hostile}
     assert not list(tree.iter(f"{SVG}script")) and not list(tree.iter("script"))

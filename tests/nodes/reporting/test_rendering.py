@@ -1,20 +1,20 @@
 import pytest
 from jinja2 import UndefinedError
 
-from nodes.reporting.rendering import format_seconds, render_template
+from nodes.reporting.rendering import format_moment, format_seconds, render_template
 
 
 @pytest.mark.parametrize(
     ("seconds", "text"),
     [
-        (0, "0 ms"),
+        (0.0, "0 ms"),
         (0.012, "12 ms"),
         (0.0999, "0.1 s"),
         (9.96, "10 s"),
-        (99, "99 s"),
-        (100, "2 min"),
-        (3600, "60 min"),
-        (7200, "2.0 h"),
+        (99.0, "99 s"),
+        (100.0, "2 min"),
+        (3600.0, "60 min"),
+        (7200.0, "2.0 h"),
     ],
 )
 def test_seconds_read_as_people_say_them(seconds, text):
@@ -30,3 +30,16 @@ def test_text_is_escaped(hostile):
     head = {"name": hostile, "unit": "", "number": False}
     html = render_template("table.html", {"heads": [head], "rows": []})
     assert "<script" not in html and "&lt;script&gt;" in html
+
+
+@pytest.mark.parametrize(
+    ("moment", "text"),
+    [
+        ("2025-01-03T14:02:11Z", "2025-01-03 14:02:11 UTC"),
+        ("2025-01-03T14:02:11.25Z", "2025-01-03 14:02:11 UTC"),
+        ("yesterday", "yesterday"),
+        ("", ""),
+    ],
+)
+def test_moments_read_as_people_write_them(moment, text):
+    assert format_moment(moment) == text

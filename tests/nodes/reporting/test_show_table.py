@@ -66,7 +66,7 @@ def test_units_come_from_the_column_names(cells, column, head):
 
 def test_what_is_missing_is_a_dash(cells):
     found = cells(pandas.DataFrame({"dice": [float("nan"), 0.5], "word": ["a", None]}))
-    assert [text for tag, _, text in found if tag == "td"] == ["–", "a", "0.5", "–"]
+    assert [text for tag, _, text in found if tag == "td"] == ["\u2013", "a", "0.5", "\u2013"]
     assert found[0][1] == "number"
 
 

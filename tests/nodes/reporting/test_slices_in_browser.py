@@ -66,9 +66,7 @@ def test_values_are_decoded_nearly(slices, box_with_ball):
     ("plane", "right", "low"),
     [("axial", True, True), ("coronal", True, False), ("sagittal", True, False)],
 )
-def test_the_ball_stands_where_a_radiologist_expects_it(
-    slices, plane, right_is_higher, low_is_higher
-):
+def test_the_ball_stands_where_a_radiologist_expects_it(slices, plane, right, low):
     go_to(slices, 33, 27, 13)  # left, posterior and superior of the middle
     for name in ("body", "bone"):
         slices.locator(".slices .part", has_text=name).locator("input[type=checkbox]").uncheck()
