@@ -12,6 +12,7 @@ from catalog.yaml_file import load_mapping
 # Name in catalog.yml -> module and class; named, so that only what is used is imported.
 FORMATS = {
     "image_files": "catalog.formats.image_files:ImageFilesFormat",
+    "frames": "catalog.formats.frames:FramesFormat",
     "volume": "catalog.formats.volume:VolumeFormat",
     "labelmap": "catalog.formats.labelmap:LabelMapFormat",
     "mesh": "catalog.formats.mesh:MeshFormat",

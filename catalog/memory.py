@@ -2,6 +2,7 @@
 
 import json
 import os
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ def recall(path: Path) -> dict[str, Any]:
     """Return what was remembered; nothing where the file is missing or damaged."""
     try:
         known = json.loads(path.read_text())
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return {}
     return known if isinstance(known, dict) else {}
 
@@ -23,4 +24,5 @@ def remember(path: Path, known: dict[str, Any]) -> None:
         scratch.write_text(json.dumps(known))
         os.replace(scratch, path)
     except OSError:
-        scratch.unlink(missing_ok=True)
+        with suppress(OSError):
+            scratch.unlink()

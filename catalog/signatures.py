@@ -42,7 +42,7 @@ class Signatures:
             files = dict(_list_files(path))
             stats = {name: os.stat(file) for name, file in files.items()}
             signature = _sign(stats)
-            known = self._known.get(str(path))
+            known = self._known.get(_name_of(path))
             if known and known[1] == signature and known[2] and not again:
                 return known[0]
             return self._remember(path, files, stats, signature) if files else None
@@ -53,30 +53,49 @@ class Signatures:
         started = time.time_ns()
         digest = _hash_names({name: _hash_file(file) for name, file in files.items()})
         settled = max(s.st_ctime_ns for s in stats.values()) + _TICK_NS < started
-        self._known[str(path)] = [digest, signature, settled]
+        self._known[_name_of(path)] = [digest, signature, settled]
         self._changed = True
         return digest
+
+    def forget(self) -> None:
+        """Drop all that is remembered."""
+        self._known.clear()
+        self._memory.unlink(missing_ok=True)
 
     def save(self) -> None:
         """Write what was learnt; a full disk or a lost race costs nothing but a later rehash."""
         if not self._changed:
             return
-        self._known = {path: v for path, v in self._known.items() if os.path.exists(path)}
         remember(self._memory, self._known)
         self._changed = False
 
 
+def _name_of(path: Path) -> str:
+    """Return the key of a path: hashed, since folders of images are often named after patients."""
+    return hashlib.sha256(os.fsencode(path)).hexdigest()
+
+
 def _list_files(path: Path) -> Iterator[tuple[str, str]]:
-    """Yield (relative name, path) of a file, or of every file below a folder but hidden ones."""
+    """Yield (relative name, path) of a file, or of every file below a folder but hidden ones.
+
+    Links count as what they point to, but for those that lead back to where they lie in.
+    """
     if path.is_file():
         yield path.name, str(path)
         return
-    for folder, folders, names in os.walk(path):
-        folders[:] = sorted(f for f in folders if not f.startswith("."))
+    for folder, folders, names in os.walk(path, followlinks=True):
+        folders[:] = sorted(f for f in folders if not f.startswith(".") and not _is_loop(folder, f))
         for name in names:
             if not name.startswith("."):
                 file = os.path.join(folder, name)
                 yield os.path.relpath(file, path), file
+
+
+def _is_loop(folder: str, name: str) -> bool:
+    inner = os.path.join(folder, name)
+    if not os.path.islink(inner):
+        return False
+    return Path(os.path.realpath(folder)).is_relative_to(os.path.realpath(inner))
 
 
 def read_files(path: Path) -> dict[str, bytes]:

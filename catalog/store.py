@@ -221,8 +221,10 @@ class Store:
                     path.unlink()
         unused = [path for path in self.root.glob("objects/*/*") if path.name not in used]
         size = sum(f.stat().st_size for path in unused for f in path.rglob("*") if f.is_file())
-        for path in unused if not dry_run else []:
-            self.discard_object(path.name)
+        if not dry_run:
+            for path in unused:
+                self.discard_object(path.name)
+            self.signatures.forget()
         return len(unused), size
 
 

@@ -1,5 +1,10 @@
 """Every pipeline by name; a pipeline is a module with a plain list of stages."""
 
-from pipelines import anatomy, thorax_phantom
+from pipelines import anatomy, endoscopy, mri, thorax_phantom
 
-PIPELINES = {"anatomy": anatomy, "thorax_phantom": thorax_phantom}
+PIPELINES = {
+    "thorax_phantom": thorax_phantom,
+    "anatomy": anatomy,
+    "mri": mri,
+    "endoscopy": endoscopy,
+}

@@ -4,6 +4,10 @@ import os
 from pathlib import Path
 
 import pytest
+from jaxtyping import install_import_hook
+
+# Before any node is imported: shapes and types of all arguments and results of nodes are checked.
+install_import_hook("nodes", "beartype.beartype")
 
 ROOT = Path(__file__).resolve().parent.parent
 pytest_plugins = ["tests.browser", "tests.toy"]

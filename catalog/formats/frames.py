@@ -1,7 +1,9 @@
 """Endoscopic frames as a folder of pictures."""
 
+from collections import Counter
 from collections.abc import Mapping
 from io import BytesIO
+from pathlib import PurePath
 
 import numpy as np
 from jaxtyping import UInt8
@@ -15,6 +17,7 @@ _PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
 class FramesFormat:
     """`frame_0000.png` and on, lossless; reads PNG, JPEG, BMP, TIFF and WebP of any name.
 
+    Pictures of another suffix than most in the folder, such as a mask, are left out and counted.
     Only pixels are read: what a camera notes beside them (time, place, owner) stays in the file.
     """
 
@@ -31,7 +34,9 @@ class FramesFormat:
         ------
         BadInput : if there is no picture, one cannot be read, or their sizes differ.
         """
-        names = sorted(name for name in files if name.lower().endswith(_PICTURES))
+        pictures = sorted(name for name in files if name.lower().endswith(_PICTURES))
+        suffixes = Counter(PurePath(name).suffix.lower() for name in pictures)
+        names = [n for n in pictures if n.lower().endswith(suffixes.most_common(1)[0][0])]
         if not names:
             raise BadInput(
                 f"{len(files)} files, none of them a picture",
@@ -46,7 +51,7 @@ class FramesFormat:
                 "all frames of a case must come from one camera and have one size",
                 "put each camera's frames into a folder of their own",
             )
-        return Frames(np.stack(frames))
+        return Frames(np.stack(frames), len(pictures) - len(names))
 
 
 def _write_png(pixels: UInt8[np.ndarray, "rows columns 3"]) -> bytes:

@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from io import BytesIO
 
+import numpy as np
+
 from catalog.formats.origin_text import from_ascii, origin_from_text, origin_to_text, to_ascii
 from nodes.geometry.meshes import Mesh, Surfaces
 from nodes.geometry.origin import Origin
@@ -22,9 +24,13 @@ class MeshFormat:
     @staticmethod
     def decode(files: Mapping[str, bytes]) -> Surfaces:
         """Return the surfaces of `encode`, equal in every field."""
-        names = sorted(files)
-        meshes = tuple((from_ascii(n[3:].removesuffix(".ply")), _read_ply(files[n])) for n in names)
+        names = sorted(files, key=lambda name: int(name.partition("_")[0]))
+        meshes = tuple((_surface_name(name), _read_ply(files[name])) for name in names)
         return Surfaces(meshes, _read_origin(files[names[0]]))
+
+
+def _surface_name(file: str) -> str:
+    return from_ascii(file.partition("_")[2].removesuffix(".ply"))
 
 
 def _write_ply(mesh: Mesh, origin: Origin) -> bytes:
@@ -33,7 +39,9 @@ def _write_ply(mesh: Mesh, origin: Origin) -> bytes:
     body = trimesh.Trimesh(mesh.vertices_patient_mm, mesh.triangles, process=False)
     content = trimesh.exchange.ply.export_ply(body, encoding="binary", vertex_normal=False)
     # 3D Slicer reads the axes of a model from this comment; without it it assumes its own.
-    comments = f"comment SPACE=LPS\ncomment unit mm\ncomment origin {origin_to_text(origin)}\n"
+    # Readers take the word that ends the header for its end even within a comment.
+    told = origin_to_text(origin).replace("end_header", "end%5Fheader")
+    comments = f"comment SPACE=LPS\ncomment unit mm\ncomment origin {told}\n"
     first, second, rest = content.split(b"\n", 2)
     return b"\n".join([first, second, comments.encode("ascii") + rest])
 
@@ -44,7 +52,7 @@ def _read_ply(content: bytes) -> Mesh:
     fields = trimesh.exchange.ply.load_ply(BytesIO(content), fix_texture=False)
     return Mesh(
         fields["vertices"].astype("float32").reshape(-1, 3),
-        fields["faces"].astype("int32").reshape(-1, 3),
+        np.asarray(fields.get("faces", ())).astype("int32").reshape(-1, 3),  # none: no key
     )
 
 

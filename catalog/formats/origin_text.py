@@ -11,8 +11,14 @@ _PLAIN = " !\"#$&'()*+,-.:;<=>?@[]^_`{|}~"
 
 
 def to_ascii(text: str) -> str:
-    """Return the text with every other character percent-quoted (RFC 3986)."""
-    return quote(text, safe=_PLAIN)
+    """Return the text with every other character percent-quoted (RFC 3986).
+
+    So are spaces at the ends, which headers lose.
+    """
+    inner = text.strip(" ")
+    start = len(text) - len(text.lstrip(" "))
+    end = len(text) - start - len(inner)
+    return "%20" * start + quote(inner, safe=_PLAIN) + "%20" * end
 
 
 def from_ascii(text: str) -> str:

@@ -15,9 +15,11 @@ class Frames:
     Parameters
     ----------
     pixels : (frame, row, column, 3) red, green, blue.
+    skipped : number of pictures of another kind in the same folder, such as a mask.
     """
 
     pixels: UInt8[np.ndarray, "frames rows columns 3"]
+    skipped: int = 0
 
     def __post_init__(self) -> None:
         freeze_arrays(self)

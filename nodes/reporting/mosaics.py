@@ -30,7 +30,7 @@ def lay_mosaic(
     return picture, {"columns": columns, "width": width, "height": height}
 
 
-def encode_webp(picture: UInt8[np.ndarray, "rows columns"], quality: int) -> bytes:
+def encode_webp(picture: UInt8[np.ndarray, "rows columns *colours"], quality: int) -> bytes:
     """Return a lossy WebP file."""
     from PIL import Image
 

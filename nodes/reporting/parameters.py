@@ -84,6 +84,22 @@ class ShowTableParameters(Parameters):
     """Digits after the decimal point of numbers that are not whole."""
 
 
+class ShowFramesParameters(Parameters):
+    """Parameters of `show_frames`."""
+
+    title: str
+    """Heading of the section."""
+
+    most_frames: Annotated[int, Field(ge=1, le=1000)]
+    """Largest number of frames that are shown, evenly chosen (no unit)."""
+
+    width: Annotated[int, Field(ge=32, le=4096)]
+    """Longer side of a shown frame in pixels."""
+
+    quality: Annotated[int, Field(ge=1, le=100)]
+    """Quality of the lossy WebP pictures (Pillow's scale, no unit)."""
+
+
 class BuildCasePageParameters(Parameters):
     """Parameters of `build_case_page`."""
 

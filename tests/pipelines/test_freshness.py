@@ -123,7 +123,9 @@ def test_a_byte_that_flips_without_a_trace_is_caught_when_it_is_read(toy: Toy) -
         memory = pathlib.Path({str(memory)!r})
         signatures = Signatures(memory)
         signatures.hash_path(path)
-        signatures._known[str(path)] = [path.name, signatures._known[str(path)][1], True]
+        from catalog.signatures import _name_of
+        name = _name_of(path)
+        signatures._known[name] = [path.name, signatures._known[name][1], True]
         signatures._changed = True
         signatures.save()
         """)

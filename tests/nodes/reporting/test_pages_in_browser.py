@@ -128,3 +128,21 @@ def test_hostile_text_stays_text(show, box_with_ball, balls, defaults, hostile, 
     assert page.evaluate("document.querySelectorAll('main b[onmouseover]').length") == 0
     names = page.evaluate("[...document.querySelectorAll('.part label')].map(x => x.textContent)")
     assert names == [hostile, hostile, hostile + "2"]
+
+
+def test_paper_is_white_even_from_a_dark_screen(show, sections):
+    page = show(*sections, dark=True)
+    assert page.picture(".viewer3d canvas")[3, 3].max() < 100
+    page.emulate_media(media="print")
+    page.wait_for_timeout(200)
+    assert page.picture(".viewer3d canvas")[3, 3].min() > 240
+    assert page.evaluate("getComputedStyle(document.querySelector('.windows')).display") == "none"
+
+
+def test_a_short_hash_is_copied_whole(show, run_account):
+    page = show()
+    page.evaluate("document.querySelectorAll('details').forEach(e => { e.open = true; })")
+    digest = page.locator(".hash").first
+    assert digest.bounding_box()["width"] < 150
+    digest.click()
+    assert page.evaluate("getSelection().toString()") == run_account.inputs[0][2]
