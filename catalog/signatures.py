@@ -42,9 +42,9 @@ class Signatures:
             files = dict(_list_files(path))
             stats = {name: os.stat(file) for name, file in files.items()}
             signature = _sign(stats)
-            known = self._known.get(_name_of(path))
-            if known and known[1] == signature and known[2] and not again:
-                return known[0]
+            match self._known.get(_name_of(path)):
+                case [str(digest), str(before), True] if before == signature and not again:
+                    return digest
             return self._remember(path, files, stats, signature) if files else None
         except FileNotFoundError:  # gone while we looked
             return None

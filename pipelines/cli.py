@@ -4,7 +4,7 @@ import os
 import signal
 import sys
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -112,19 +112,40 @@ def run(
     project = Project()
     selection = Selection(first, last, only, forced)
     names = runnable_cases(project, pipeline, cases)
-    for name in [] if cases else _absent(project, pipeline, names):
-        print(f"{name}: skipped, its inputs are not on this machine")
+    if not cases:
+        _tell_absent(project, pipeline, names)
     if not names:
-        raise BadInput("no case to run", "a run needs a case", "see `tendril list`")
+        raise BadInput("no case to run", "a run needs a case with its inputs", "see `tendril list`")
     with ExitStack() as open_things:
         driver = run_plainly if no_prefect else _prefect_driver(project, open_things)
-        for name in names:
-            _run_one(project, name, settings, selection, driver)
+        codes = [
+            _survive(lambda name=name: _run_one(project, name, settings, selection, driver))
+            for name in names
+        ]
+    sys.exit(next(filter(None, codes), 0))
 
 
-def _absent(project: Project, pipeline: str, names: Sequence[str]) -> list[str]:
-    every = [n for n in project.cases() if not pipeline or project.case(n).pipeline == pipeline]
-    return [name for name in every if name not in names]
+def _tell_absent(project: Project, pipeline: str, names: Sequence[str]) -> None:
+    """Say which cases are skipped, since their inputs are elsewhere."""
+    for name in project.cases():
+        if name not in names and (not pipeline or project.case(name).pipeline == pipeline):
+            print(f"{name}: skipped, its inputs are not on this machine")
+
+
+def _survive(work: Callable[[], None]) -> int:
+    """Do the work of one case and return its exit code: one that fails must not stop the others."""
+    try:
+        work()
+    except BadInput as error:
+        print(f"error: {error}", file=sys.stderr, flush=True)
+        return error.exit_code
+    except Exception:
+        traceback.print_exc()
+        print(
+            "failed; what is finished is kept, and the next run goes on from there", file=sys.stderr
+        )
+        return 1
+    return 0
 
 
 def _run_one(
@@ -184,22 +205,34 @@ def status(
     pipeline: str, cases: Sequence[str], settings: Sequence[str], check: bool, verify: bool
 ) -> None:
     """Tell of each stage whether it is fresh, stale and why, or never ran."""
-    from pipelines.engine import FRESH, Run
+    from pipelines.engine import FRESH
     from pipelines.running import runnable_cases
 
     project = Project()
-    stale = 0
-    for name in runnable_cases(project, pipeline, cases):
-        run = Run(project, project.job(name, settings))
-        if verify:
-            run.verify()
-        print(f"{name}  ({run.job.case.pipeline})")
-        for planned in run.plan():
-            why = f"  {'; '.join(planned.reasons)}" if planned.reasons else ""
-            print(f"  {planned.state:9}  {planned.stage.name}{why}")
-            stale += planned.state != FRESH
-    if check and stale:
-        sys.exit(SOMETHING_STALE)
+    names = runnable_cases(project, pipeline, cases)
+    if not cases:
+        _tell_absent(project, pipeline, names)
+    states: list[str] = []
+    codes = [
+        _survive(lambda name=name: states.extend(_tell_status(project, name, settings, verify)))
+        for name in names
+    ]
+    stale = check and set(states) != {FRESH}
+    sys.exit(next(filter(None, codes), SOMETHING_STALE if stale else 0))
+
+
+def _tell_status(project: Project, name: str, settings: Sequence[str], verify: bool) -> list[str]:
+    from pipelines.engine import Run
+
+    run = Run(project, project.job(name, settings))
+    if verify:
+        run.verify()
+    plan = run.plan()
+    print(f"{name}  ({run.job.case.pipeline})")
+    for planned in plan:
+        why = f"  {'; '.join(planned.reasons)}" if planned.reasons else ""
+        print(f"  {planned.state:9}  {planned.stage.name}{why}")
+    return [planned.state for planned in plan]
 
 
 @main.command("list")

@@ -52,13 +52,12 @@ def _account_identity(job: Job, hashes: Mapping[str, str]) -> str:
 
 def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
     """Return in words what changed between two results of `made_from`."""
-    reasons = []
-    for name, old, new in _changes(before["parameters"], now["parameters"]):
-        reasons.append(f"parameter {name}: {old} -> {new}")
-    for name, _, _ in _changes(before["inputs"], now["inputs"]):
-        reasons.append(
-            "what the page tells has changed" if name == ACCOUNT else f"input {name} changed"
-        )
+    reasons = [
+        f"parameter {name}: {old} -> {new}"
+        for name, old, new in _changes(before["parameters"], now["parameters"])
+    ]
+    inputs = [name for name, _, _ in _changes(before["inputs"], now["inputs"])]
+    reasons += [f"input {name} changed" for name in inputs if name != ACCOUNT]
     for name, old, new in _changes(before["code"], now["code"]):
         verb = "is new" if old is None else "is gone" if new is None else "was edited"
         reasons.append(f"code {name.removeprefix('nodes.')} {verb}")
@@ -67,6 +66,8 @@ def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
     for part in ("function", "outputs", "formats"):
         if before[part] != now[part]:
             reasons.append(f"the stage's {part} changed")
+    if ACCOUNT in inputs and not reasons:
+        reasons.append("what it tells of the run has changed")
     return reasons
 
 

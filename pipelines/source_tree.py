@@ -4,19 +4,26 @@ A definition is a function, a class or an assignment at the top of a module. Fro
 own, every name is followed to the definition that it means, in the same module or through imports
 (also those inside functions). What cannot be followed counts as everything: a module passed about
 as a value counts whole, `exec` and its like make all of `nodes` count. Comments, docstrings and
-layout do not count; statements that run when a module is imported do.
+layout do not count, unless a reached module reads docstrings. Statements that run when a module is
+imported do, also where it is imported by one that is reached: so do changes of what another module
+holds, and functions that a decorator of the project's own may note somewhere.
 """
 
 import ast
 import copy
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from hashlib import sha256
 from pathlib import Path
 
 _UNFOLLOWABLE = {"exec", "eval", "__import__", "import_module", "globals", "vars"}
+_UNFOLLOWABLE |= {"__globals__", "__subclasses__", "__init_subclass__"}
+# Of the standard library, what finds code by its name; "importlib" itself only as a value.
+_FINDERS = ("builtins", "importlib.machinery", "importlib.util", "pickle", "pkgutil", "runpy")
+_FINDERS += ("sys.modules",)
+_READS_TEXT = (b"__doc__", b"getdoc", b"getsource", b"model_fields", b"model_json_schema")
 _WHOLE = "*"
 
 
@@ -41,33 +48,65 @@ class Signature:
 class Module:
     """The source of one module, taken apart."""
 
-    def __init__(self, name: str, path: Path) -> None:
-        self.name, self.path = name, path
+    def __init__(self, name: str, path: Path, packages: tuple[str, ...]) -> None:
+        self.name, self.path, self._packages = name, path, packages
         self.is_package = path.name == "__init__.py"
         tree = ast.parse(path.read_bytes(), filename=str(path))
         self.definitions: dict[str, list[ast.stmt]] = {}
         self.at_import: list[ast.stmt] = []
-        self.imports: dict[str, str] = {}
+        self.imports_run: list[ast.Import | ast.ImportFrom] = []
+        self.meanings: dict[str, list[str]] = {}
         self.stars: list[str] = []
+        self.texts = "".join(ast.dump(s) for s in tree.body if _is_text(s))
         for statement in tree.body:
             self._sort_in(statement)
 
+    @property
+    def imports(self) -> dict[str, str]:
+        """Local name -> dotted name that it means, the last where several imports bring it."""
+        return {name: dotted[-1] for name, dotted in self.meanings.items()}
+
     def _sort_in(self, statement: ast.stmt) -> None:
         if isinstance(statement, ast.Import | ast.ImportFrom):
-            self.imports |= self.imported_names(statement)
-            if isinstance(statement, ast.ImportFrom) and statement.names[0].name == "*":
-                self.stars.append(self._source_of(statement))
+            self._sort_in_import(statement)
+            self.imports_run.append(statement)
         elif names := list(_defined_names(statement)):
             for name in names:
                 self.definitions.setdefault(name, []).append(statement)
+            if self._acts_elsewhere(statement):
+                self.at_import.append(statement)
         elif not _is_text(statement):
-            self.at_import.append(statement)
-            for inner in ast.walk(statement):
-                if isinstance(inner, ast.Import | ast.ImportFrom):
-                    self.imports |= self.imported_names(inner)
-                elif isinstance(inner, ast.stmt):
-                    for name in _defined_names(inner):
-                        self.definitions.setdefault(name, []).append(statement)
+            self._sort_in_block(statement)
+
+    def _sort_in_block(self, block: ast.stmt) -> None:
+        """Sort in a statement that holds others: `if`, `try`, `for`, `with`; or an expression."""
+        runs = not _is_for_type_checkers(block)
+        if runs:
+            self.at_import.append(block)
+        for inner in ast.walk(block):
+            if isinstance(inner, ast.Import | ast.ImportFrom):
+                self._sort_in_import(inner)
+                self.imports_run += [inner] * runs
+            elif isinstance(inner, ast.stmt):
+                for name in _defined_names(inner):
+                    self.definitions.setdefault(name, []).append(block)
+
+    def _sort_in_import(self, statement: ast.Import | ast.ImportFrom) -> None:
+        for name, dotted in self.imported_names(statement).items():
+            self.meanings.setdefault(name, []).append(dotted)
+        if isinstance(statement, ast.ImportFrom) and statement.names[0].name == "*":
+            self.stars.append(self._source_of(statement))
+
+    def _acts_elsewhere(self, statement: ast.stmt) -> bool:
+        """Return whether a definition may change what other modules hold."""
+        if isinstance(statement, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+            names = (n.id for d in statement.decorator_list for n in ast.walk(d) if _is_name(n))
+            return any(name in self.definitions or self._is_ours(name) for name in names)
+        return any(self._is_ours(name) for name in _defined_names(statement))
+
+    def _is_ours(self, name: str) -> bool:
+        """Return whether an imported name is the project's own."""
+        return any(d.partition(".")[0] in self._packages for d in self.meanings.get(name, ()))
 
     def imported_names(self, statement: ast.Import | ast.ImportFrom) -> dict[str, str]:
         """Return local name -> dotted name of what an import statement brings."""
@@ -81,6 +120,12 @@ class Module:
             for alias in statement.names
         }
 
+    def loaded_by(self, statement: ast.Import | ast.ImportFrom) -> list[str]:
+        """Return the dotted names that an import statement may load as modules."""
+        if isinstance(statement, ast.Import):
+            return [alias.name for alias in statement.names]
+        return list(self.imported_names(statement).values())
+
     def _source_of(self, statement: ast.ImportFrom) -> str:
         if not statement.level:
             return statement.module or ""
@@ -90,8 +135,9 @@ class Module:
 
     @cached_property
     def reads_docstrings(self) -> bool:
-        """Return whether the module looks at docstrings, so that they count."""
-        return b"__doc__" in self.path.read_bytes()
+        """Return whether the module may look at docstrings or source, so that they count."""
+        source = self.path.read_bytes()
+        return any(word in source for word in _READS_TEXT)
 
 
 class SourceTree:
@@ -132,7 +178,7 @@ class SourceTree:
         base = self.root.joinpath(*name.split("."))
         for path in (base / "__init__.py", base.with_name(f"{base.name}.py")):
             if path.is_file():
-                return Module(name, path)
+                return Module(name, path, self.packages)
         return None
 
     def names_below(self, package: str) -> Iterator[str]:
@@ -148,7 +194,8 @@ class _Walk:
     def __init__(self, tree: SourceTree) -> None:
         self.tree, self.reached = tree, Reach()
         self._open: list[tuple[str, str]] = []
-        self._entered: set[str] = set()
+        self._entered: dict[str, Module] = {}
+        self._counted: dict[str, ast.stmt] = {}
 
     def follow(self, module: str, name: str) -> Reach:
         self._open.append((module, name))
@@ -158,82 +205,98 @@ class _Walk:
             if place not in seen:
                 seen.add(place)
                 self._visit(*place)
+        self._hash()
         return self.reached
+
+    def _hash(self) -> None:
+        """Hash what was counted, with its docstrings where anything may read them."""
+        hashes = self.reached.definitions
+        with_text = any(module.reads_docstrings for module in self._entered.values())
+        for name, statement in self._counted.items():
+            told = statement if with_text else _WithoutText().visit(copy.deepcopy(statement))
+            hashes[name] = sha256(ast.dump(told).encode()).hexdigest()
+        for module in self._entered.values() if with_text else ():
+            hashes[f"{module.name}.<text>"] = sha256(module.texts.encode()).hexdigest()
 
     def _visit(self, module_name: str, name: str) -> None:
         module = self.tree.module(module_name)
         if module is None:
             return
         self._enter(module)
-        if name == _WHOLE:
+        self._count_data_files(module)
+        if name in (_WHOLE, "__dict__"):
             self._open += [(module_name, other) for other in module.definitions]
-            for dotted in module.imports.values():
-                self._follow_dotted(dotted)
+            self._open += [(star, _WHOLE) for star in module.stars]
+            for dotted in module.meanings.values():
+                self._follow_all(dotted)
             return
         for order, statement in enumerate(module.definitions.get(name, ())):
             self._count(f"{module_name}.{name}" + (f"~{order}" if order else ""), module, statement)
-        if name not in module.definitions:
-            if name in module.imports:
-                self._follow_dotted(module.imports[name])
-            for star in module.stars:
-                self._open.append((star, name))
+        self._follow_all(module.meanings.get(name, ()))
+        self._open += [(star, name) for star in module.stars]
+        if "__getattr__" in module.definitions:
+            self._open.append((module_name, "__getattr__"))
 
     def _enter(self, module: Module) -> None:
-        """Count what importing a module runs, in it and in the packages around it."""
+        """Count what importing a module runs: in it, in the packages around it, in its imports."""
         if module.name in self._entered:
             return
-        self._entered.add(module.name)
+        self._entered[module.name] = module
+        if module.at_import:
+            self._count_data_files(module)
         for order, statement in enumerate(module.at_import):
             self._count(f"{module.name}.<import>{order}", module, statement)
-        for star in module.stars:
-            self._open.append((star, _WHOLE))
+        self._enter_all(module.name)
+        for statement in module.imports_run:
+            for dotted in module.loaded_by(statement):
+                self._enter_all(dotted)
+
+    def _enter_all(self, dotted: str) -> None:
+        """Enter the module "a.b.c", and "a" and "a.b", where they are modules."""
+        parts = dotted.split(".")
+        for end in range(1, len(parts) + 1):
+            if module := self.tree.module(".".join(parts[:end])):
+                self._enter(module)
+
+    def _count_data_files(self, module: Module) -> None:
         for file in _data_files(module.path.parent) if module.name.startswith("nodes.") else ():
             name = str(file.relative_to(self.tree.root))
-            self.reached.definitions[name] = sha256(file.read_bytes()).hexdigest()
-        parent = self.tree.module(module.name.rpartition(".")[0])
-        if parent:
-            self._enter(parent)
+            if name not in self.reached.definitions:
+                self.reached.definitions[name] = sha256(file.read_bytes()).hexdigest()
 
     def _count(self, name: str, module: Module, statement: ast.stmt) -> None:
-        if not module.reads_docstrings:
-            statement = _WithoutText().visit(copy.deepcopy(statement))
-        self.reached.definitions[name] = sha256(ast.dump(statement).encode()).hexdigest()
-        names = dict(module.imports)
+        self._counted[name] = statement
+        names = {name: list(dotted) for name, dotted in module.meanings.items()}
         for inner in ast.walk(statement):
             if isinstance(inner, ast.Import | ast.ImportFrom):
-                names |= module.imported_names(inner)
-        self._follow_names(statement, module, names)
+                for local, dotted in module.imported_names(inner).items():
+                    names.setdefault(local, []).append(dotted)
+                for dotted in module.loaded_by(inner):
+                    self._enter_all(dotted)
+                    self._note_package(dotted)
+            elif isinstance(inner, ast.FunctionDef) and inner.name in _UNFOLLOWABLE:
+                self._open_all()
+        for dotted in _names_in(statement):
+            self._follow_name(dotted, module, names)
 
-    def _follow_names(self, statement: ast.stmt, module: Module, names: dict[str, str]) -> None:
-        bases = set()
-        for inner in ast.walk(statement):
-            if isinstance(inner, ast.Attribute) and (dotted := _dotted(inner)):
-                bases.add(id(_base(inner)))
-                self._follow_name(dotted, module, names)
-        for inner in ast.walk(statement):
-            if isinstance(inner, ast.Name) and id(inner) not in bases:
-                self._follow_name(inner.id, module, names)
-
-    def _follow_name(self, dotted: str, module: Module, names: dict[str, str]) -> None:
+    def _follow_name(self, dotted: str, module: Module, names: dict[str, list[str]]) -> None:
         first, _, rest = dotted.partition(".")
         if _UNFOLLOWABLE & set(dotted.split(".")):
-            self._open += [(name, _WHOLE) for name in self.tree.names_below("nodes")]
-        if first in names:
-            self._follow_dotted(names[first] + (f".{rest}" if rest else ""))
+            self._open_all()
+        self._follow_all(name + (f".{rest}" if rest else "") for name in names.get(first, ()))
         if first in module.definitions:
             self._open.append((module.name, first))
-        elif first not in names:
-            self._open += [(star, first) for star in module.stars]
+        self._open += [(star, first) for star in module.stars]
+
+    def _follow_all(self, dotted: Iterable[str]) -> None:
+        for name in dotted:
+            self._follow_dotted(name)
 
     def _follow_dotted(self, dotted: str) -> None:
         """Follow "package.module.definition.attribute": the longest part that is a module."""
-        top = dotted.partition(".")[0]
-        if top not in self.tree.packages:
-            if top not in sys.stdlib_module_names:
-                self.reached.packages.add(top)
-            elif dotted.rpartition(".")[2] in _UNFOLLOWABLE:
-                self._open += [(name, _WHOLE) for name in self.tree.names_below("nodes")]
-            return
+        self._note_package(dotted)
+        if _finds_code(dotted):
+            self._open_all()
         parts = dotted.split(".")
         for cut in range(len(parts), 0, -1):
             module = ".".join(parts[:cut])
@@ -241,6 +304,47 @@ class _Walk:
                 rest = parts[cut:]
                 self._open.append((module, rest[0] if rest else _WHOLE))
                 return
+
+    def _note_package(self, dotted: str) -> None:
+        top = dotted.partition(".")[0]
+        if top not in self.tree.packages and top not in sys.stdlib_module_names:
+            self.reached.packages.add(top)
+
+    def _open_all(self) -> None:
+        self._open += [(name, _WHOLE) for name in self.tree.names_below("nodes")]
+
+
+def _finds_code(dotted: str) -> bool:
+    """Return whether a name of the standard library finds code by its name."""
+    if dotted.partition(".")[0] not in sys.stdlib_module_names:
+        return False
+    inside = any(f"{dotted}.".startswith(f"{finder}.") for finder in _FINDERS)
+    return inside or dotted == "importlib" or dotted.rpartition(".")[2] in _UNFOLLOWABLE
+
+
+def _names_in(statement: ast.stmt) -> Iterator[str]:
+    """Yield every name, and "a.b.c" instead of "a" where attributes of a name are used."""
+    inner_parts = set()
+    for node in ast.walk(statement):
+        if id(node) in inner_parts or not isinstance(node, ast.Name | ast.Attribute):
+            continue
+        dotted = node.id if isinstance(node, ast.Name) else _dotted(node)
+        if dotted:
+            yield dotted
+            while isinstance(node, ast.Attribute):
+                node = node.value
+                inner_parts.add(id(node))
+
+
+def _is_name(node: ast.AST) -> bool:
+    return isinstance(node, ast.Name)
+
+
+def _is_for_type_checkers(statement: ast.stmt) -> bool:
+    """Return whether the statement is an `if TYPE_CHECKING:`, whose body never runs."""
+    if not isinstance(statement, ast.If) or statement.orelse:
+        return False
+    return ast.unparse(statement.test).rpartition(".")[2] == "TYPE_CHECKING"
 
 
 def _defined_names(statement: ast.stmt) -> Iterator[str]:
@@ -269,12 +373,6 @@ class _WithoutText(ast.NodeTransformer):
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
             node.body = [s for s in node.body if not _is_text(s)] or [ast.Pass()]
         return node
-
-
-def _base(node: ast.expr) -> ast.expr:
-    while isinstance(node, ast.Attribute):
-        node = node.value
-    return node
 
 
 def _dotted(node: ast.Attribute) -> str:

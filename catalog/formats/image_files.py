@@ -4,7 +4,9 @@ Only geometry, modality and pixel values leave a file: no name, id, date or UID 
 the same reason errors count files in the order of their names instead of showing the names.
 """
 
+import logging
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
 
@@ -41,11 +43,28 @@ class ImageFilesFormat:
     def decode(files: Mapping[str, bytes]) -> ImageFiles:
         """Read all planes, or else the one volume file; raises BadInput where there is neither,
         where there are both or several, and for a file that cannot be read."""
-        import warnings
-
-        with warnings.catch_warnings():  # pydicom's quote values, which may be identifiers
-            warnings.simplefilter("ignore")
+        with _silent_pydicom():
             return _decode(files)
+
+
+@contextmanager
+def _silent_pydicom() -> Iterator[None]:
+    """Keep pydicom's warnings to ourselves: they quote values, which may be identifiers.
+
+    It warns in both ways that Python has, and whoever sets up logging (Prefect does) prints them.
+    """
+    import warnings
+
+    from pydicom import config
+
+    level = config.logger.level
+    config.logger.setLevel(logging.CRITICAL + 1)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        config.logger.setLevel(level)
 
 
 def _decode(files: Mapping[str, bytes]) -> ImageFiles:

@@ -58,7 +58,9 @@ def _check(table: "pd.DataFrame") -> None:
         if not str(dtype).lower().startswith(_KEPT):
             raise ValueError(f"a table holds numbers, truth values and text: {name} is {dtype}")
         if _schema_type(str(dtype)) == "string" and table[name].isna().any():
-            raise ValueError(f"a table's text must not be missing: write some word for it in {name}")
+            raise ValueError(
+                f"a table's text must not be missing: write some word for it in {name}"
+            )
 
 
 def _schema_type(dtype: str) -> str:

@@ -15,9 +15,7 @@ FREE, BOUNDARY = 1, 2
 ML_IN_MM3 = 1000.0
 
 
-def build_occupancy_grid(
-    label_map: LabelMap, parameters: BuildOccupancyGridParameters
-) -> LabelMap:
+def build_occupancy_grid(label_map: LabelMap, parameters: BuildOccupancyGridParameters) -> LabelMap:
     """Build S_free and S_bound of [Kuntz2017] Sec. IV-A on cubic cells; all else is S_obs.
 
     S_free is the largest part of the label, connected over faces: a robot cannot pass through an

@@ -89,9 +89,7 @@ def _outward(vertices: Vertices, triangles: Triangles) -> Triangles:
     return triangles if signed_volume > 0 else triangles[:, ::-1]
 
 
-def _decimated(
-    vertices: Vertices, triangles: Triangles, wanted: int
-) -> tuple[Vertices, Triangles]:
+def _decimated(vertices: Vertices, triangles: Triangles, wanted: int) -> tuple[Vertices, Triangles]:
     """Collapse edges down to the wanted triangles, or to as few as stay closed.
 
     Collapsing does not check that the surface stays closed, so the result is checked; twice as

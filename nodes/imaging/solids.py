@@ -44,9 +44,7 @@ def paint(
 def ellipsoid(points: Points, centre: Triple, radii: Triple) -> Distance:
     """Distance to the ellipsoid with these half axes, mm."""
     inverse = [np.float32(1 / radius) for radius in radii]
-    x, y, z = (
-        (p - np.float32(c)) * i for p, c, i in zip(points, centre, inverse, strict=True)
-    )
+    x, y, z = ((p - np.float32(c)) * i for p, c, i in zip(points, centre, inverse, strict=True))
     level = np.sqrt(x * x + y * y + z * z)
     slope = np.sqrt((x * inverse[0]) ** 2 + (y * inverse[1]) ** 2 + (z * inverse[2]) ** 2)
     return level * (level - 1) / np.maximum(slope, np.float32(1e-6))

@@ -70,9 +70,7 @@ def check_what_stands(root: Path) -> None:
     assert record is not None
     assert record.outputs == {"made": CONTENT}
     assert Store(root).load_object(CONTENT) == FILES
-    left = [p.name for p in (root / "scratch").iterdir()] + [
-        p.name for p in root.glob("*.json.*")
-    ]
+    left = [p.name for p in (root / "scratch").iterdir()] + [p.name for p in root.glob("*.json.*")]
     assert left == []
 
 

@@ -198,7 +198,11 @@ def test_completion_knows_cases_and_stages(toy: Toy) -> None:
         }
         source = "from pipelines.cli import main; main(prog_name='tendril')"
         done = subprocess.run(
-            [sys.executable, "-c", source], cwd=toy.root, env=environment, capture_output=True, text=True
+            [sys.executable, "-c", source],
+            cwd=toy.root,
+            env=environment,
+            capture_output=True,
+            text=True,
         )
         assert done.stdout.strip() == f"plain,{name}"
 
@@ -221,3 +225,14 @@ def test_a_case_whose_input_is_elsewhere_is_skipped_unless_named(toy: Toy) -> No
     )
     assert "away: skipped" in toy.call("run", "--no-prefect")
     assert "nothing at" in toy.call("run", "--no-prefect", "--case", "away", code=3)
+
+
+def test_one_case_that_fails_does_not_stop_the_others(toy: Toy) -> None:
+    toy.write("catalog/cases/a_broken.yml", "title: [\n")
+    toy.write("catalog/cases/b_refused.yml", "title: B\npipeline: nothing\n")
+    answer = toy.call("run", "--no-prefect", code=3)
+    assert "a_broken.yml, line" in answer
+    assert "known: toy" in answer
+    assert "one: done, 4 computed" in answer
+    assert toy.call("status", code=3).count("fresh") == len(STAGES)
+    assert "refused" in toy.call("list", "cases")

@@ -8,7 +8,21 @@ from nodes.geometry.origin import Origin
 
 # What ends a line, a field, a key or a quoted part in one of the file formats, or names a folder.
 PIECES = ['"', "'", "\n", "\r", "%", "%0A", ":=", ": ", "\\", "/", "#", " ", "\t", "é", "肺", "🫁"]
-PIECES += ["\u2028", "\x00", "\x7f", "..", ".ply", "comment ", "end_header", "TextureFile x", "{", "<b>", "_", "-", "1"]
+PIECES += [
+    "\u2028",
+    "\x00",
+    "\x7f",
+    "..",
+    ".ply",
+    "comment ",
+    "end_header",
+    "TextureFile x",
+    "{",
+    "<b>",
+    "_",
+    "-",
+    "1",
+]
 TEXTS = st.lists(st.sampled_from(PIECES) | st.text("ab", max_size=2), max_size=5).map("".join)
 NAMES = TEXTS.filter(bool)
 ORIGINS = st.builds(Origin, TEXTS, st.booleans(), st.lists(TEXTS, max_size=3).map(tuple))
@@ -19,7 +33,9 @@ numbers = st.floats(-1e3, 1e3, allow_subnormal=False)
 @st.composite
 def affines(draw: st.DrawFn) -> np.ndarray:
     """Draw a turned, anisotropic and now and then mirrored grid, with numbers of 17 digits."""
-    turned, _ = np.linalg.qr(np.eye(3) + draw(hnp.arrays(float, (3, 3), elements=st.floats(-0.2, 0.2))))
+    turned, _ = np.linalg.qr(
+        np.eye(3) + draw(hnp.arrays(float, (3, 3), elements=st.floats(-0.2, 0.2)))
+    )
     affine = np.eye(4)
     affine[:3, :3] = turned * draw(hnp.arrays(float, 3, elements=st.floats(0.1, 5)))
     affine[:3, 3] = draw(hnp.arrays(float, 3, elements=numbers))

@@ -54,9 +54,7 @@ def test_planes_come_back_in_order_with_values_and_places(count, shape, seed):
 
 
 def test_series_modality_and_unit_come_back():
-    value = ImageFiles(
-        planes(2) + planes(3, seed=1, series=2, modality="MR", unit="intensity")
-    )
+    value = ImageFiles(planes(2) + planes(3, seed=1, series=2, modality="MR", unit="intensity"))
     assert_same(ImageFilesFormat.decode(ImageFilesFormat.encode(value)), value)
 
 
@@ -102,9 +100,7 @@ def test_real_people_are_not_named_after_the_phantom():
 
 def test_warnings_about_broken_identifiers_stay_inside(recwarn):
     files = ImageFilesFormat.encode(ImageFiles(planes()))
-    broken = {
-        name: re.sub(rb"2\.25\.\d\d", b"SECRETS", content) for name, content in files.items()
-    }
+    broken = {name: re.sub(rb"2\.25\.\d\d", b"SECRETS", content) for name, content in files.items()}
     ImageFilesFormat.decode(broken)
     assert not [warning for warning in recwarn if "SECRETS" in str(warning.message)]
 
@@ -319,3 +315,18 @@ def test_every_lossless_packing_gives_the_published_values(test_data, packing):
         places = np.diag([-1, -1, 1, 1]) @ plane.patient_from_pixel @ pixels
         i, j, k, _ = np.rint(np.linalg.solve(affine, places)).astype(int)
         np.testing.assert_array_equal(plane.pixels.ravel(), voxels[i, j, k])
+
+
+def test_no_warning_quotes_a_value(caplog, recwarn):
+    files = {}
+    for name, data in ImageFilesFormat.encode(ImageFiles(planes())).items():
+        dataset = pydicom.dcmread(BytesIO(data))
+        dataset.add_new("FrameOfReferenceUID", "UI", "Qwxdoe-uid")
+        buffer = BytesIO()
+        dataset.save_as(buffer)
+        files[name] = buffer.getvalue()
+    caplog.clear()
+    recwarn.clear()
+    ImageFilesFormat.decode(files)
+    assert caplog.records == []
+    assert len(recwarn) == 0

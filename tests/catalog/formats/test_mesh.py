@@ -17,7 +17,9 @@ from tests.catalog.formats.hostile import NAMES, ORIGINS, assert_same, points
 def meshes(draw: st.DrawFn) -> Mesh:
     """Draw any triangles, also none, equal and degenerate ones, and vertices that none uses."""
     count = draw(st.integers(1, 6))
-    triangles = hnp.arrays("int32", (draw(st.integers(0, 5)), 3), elements=st.integers(0, count - 1))
+    triangles = hnp.arrays(
+        "int32", (draw(st.integers(0, 5)), 3), elements=st.integers(0, count - 1)
+    )
     return Mesh(draw(points(count)), draw(triangles))
 
 

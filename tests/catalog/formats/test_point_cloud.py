@@ -46,4 +46,6 @@ def test_trimesh_reads_points_and_normals() -> None:
     np.testing.assert_array_equal(read.vertices, places)
     raw = read.metadata["_ply_raw"]["vertex"]["data"]
     np.testing.assert_array_equal(raw["label"].ravel(), [1, 2])
-    np.testing.assert_array_equal(np.stack([raw[n].ravel() for n in ("nx", "ny", "nz")], 1), normals)
+    np.testing.assert_array_equal(
+        np.stack([raw[n].ravel() for n in ("nx", "ny", "nz")], 1), normals
+    )

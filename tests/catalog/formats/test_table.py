@@ -51,7 +51,9 @@ def test_columns_types_and_values_come_back(table: pd.DataFrame) -> None:
 
 @pytest.mark.parametrize("dtype", COLUMNS)
 def test_an_empty_table_keeps_its_types(dtype: str) -> None:
-    check_round_trip(pd.DataFrame({"a": pd.Series([], dtype=dtype), "b": pd.Series([], dtype="str")}))
+    check_round_trip(
+        pd.DataFrame({"a": pd.Series([], dtype=dtype), "b": pd.Series([], dtype="str")})
+    )
 
 
 def test_a_single_column_with_gaps_keeps_all_rows() -> None:
@@ -70,7 +72,15 @@ def test_a_single_column_with_gaps_keeps_all_rows() -> None:
         pd.DataFrame(),
         pd.DataFrame({"a": [1 + 2j]}),
     ],
-    ids=["missing text", "columns of one name", "numbered columns", "dates", "objects", "no columns", "complex"],
+    ids=[
+        "missing text",
+        "columns of one name",
+        "numbered columns",
+        "dates",
+        "objects",
+        "no columns",
+        "complex",
+    ],
 )
 def test_what_the_format_cannot_keep_is_refused_and_never_altered(table: pd.DataFrame) -> None:
     with pytest.raises(ValueError, match="a table"):
@@ -78,7 +88,9 @@ def test_what_the_format_cannot_keep_is_refused_and_never_altered(table: pd.Data
 
 
 def test_the_csv_module_reads_what_was_written() -> None:
-    table = pd.DataFrame({"na,me": ['a "quoted", word', "two\nlines\r", "é"], "n": [0.1, -1e300, 2.0]})
+    table = pd.DataFrame(
+        {"na,me": ['a "quoted", word', "two\nlines\r", "é"], "n": [0.1, -1e300, 2.0]}
+    )
     text = TableFormat.encode(table)["table.csv"].decode()
     header, *rows = csv.reader(StringIO(text, newline=""))
     assert header == ["na,me", "n"]

@@ -15,9 +15,7 @@ from nodes.geometry.origin import Origin
 
 
 def parameters(size=1.0, steps=5, triangles=2000):
-    return BuildSurfacesParameters(
-        voxel_size_mm=size, smoothing_steps=steps, triangles=triangles
-    )
+    return BuildSurfacesParameters(voxel_size_mm=size, smoothing_steps=steps, triangles=triangles)
 
 
 def label_map(voxels, matrix=None, names=("body", "bone")):

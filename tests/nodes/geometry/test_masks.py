@@ -90,9 +90,7 @@ def slab_with_slit(width: int) -> np.ndarray:
 def test_closing_fills_slits_narrower_than_twice_the_radius_only():
     spacing = np.array([1.0, 0.5, 2.0])
     assert close_mask(slab_with_slit(8), 2.0, spacing)[2:-2, :, 2:-2].all()
-    np.testing.assert_array_equal(
-        close_mask(slab_with_slit(9), 2.0, spacing), slab_with_slit(9)
-    )
+    np.testing.assert_array_equal(close_mask(slab_with_slit(9), 2.0, spacing), slab_with_slit(9))
 
 
 def test_opening_removes_plates_within_the_planes_but_not_across():

@@ -52,7 +52,7 @@ def chest() -> Volume:
 def test_blocks_are_found_voxel_by_voxel():
     ct = chest()
     labels = segment_ct(ct, PARAMETERS)
-    lungs = (ct.voxels == -850)
+    lungs = ct.voxels == -850
     lungs[10, 10:30, 10] = True  # the vessel counts as lung
     np.testing.assert_array_equal(labels.mask("lungs"), lungs)
     np.testing.assert_array_equal(labels.mask("bone"), ct.voxels == 600)
@@ -115,9 +115,7 @@ def test_a_real_chest_has_lungs_of_human_size_apart_from_bone(test_data):
 
     folder = test_data / "chest_ct" / "P002"
     files = {path.name: path.read_bytes() for path in folder.iterdir()}
-    ct = read_volume(
-        ImageFilesFormat.decode(files), defaults(ReadVolumeParameters, "read_volume")
-    )
+    ct = read_volume(ImageFilesFormat.decode(files), defaults(ReadVolumeParameters, "read_volume"))
     labels = segment_ct(ct, PARAMETERS)
     voxel_ml = abs(np.linalg.det(labels.patient_from_index)) / 1000
     lungs = labels.mask("lungs")
