@@ -1,7 +1,7 @@
 """One colour for one name, the same in slices and in 3-D.
 
 Anatomy wears the hues that atlases use; every other name takes a hue of a palette that people
-with colour-blindness tell apart (Okabe and Ito 2008, Color Universal Design).
+with colour-blindness tell apart [Okabe2008].
 """
 
 from zlib import crc32
