@@ -30,7 +30,7 @@ install_debian() {
 
 missing=""
 for pair in libEGL.so.1=libegl1 libGL.so.1=libgl1 libusb-1.0.so.0=libusb-1.0-0; do
-    if ! /sbin/ldconfig -p | grep -q "${pair%%=*}"; then missing="$missing ${pair#*=}"; fi
+    if ! PATH="$PATH:/sbin:/usr/sbin" ldconfig -p | grep -q "${pair%%=*}"; then missing="$missing ${pair#*=}"; fi
 done
 # shellcheck disable=SC2086
 [ -z "$missing" ] || install_debian $missing

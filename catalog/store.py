@@ -185,6 +185,11 @@ class Store:
                 shutil.rmtree(folder, ignore_errors=True)
                 folder.with_name(f"{name}.lock").unlink(missing_ok=True)
                 os.close(handle)
+        for lock in self.root.glob("locks/*.lock"):
+            handle = try_lock(lock)
+            if handle is not None:
+                lock.unlink(missing_ok=True)
+                os.close(handle)
         for stray in self.root.glob("*.json.*"):
             stray.unlink(missing_ok=True)
 

@@ -1,5 +1,9 @@
 """Prefect around the engine: one flow a case, one task a stage, and the schedules."""
 
+import os
+import signal
+import threading
+import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -79,12 +83,27 @@ def run_cases(pipeline: str = "", cases: Sequence[str] = (), settings: Sequence[
     cases : names of cases; all where empty.
     settings : `key=value` on top of each case's own parameters.
     """
+    _end_with_parent()
     project = Project()
     names = runnable_cases(project, pipeline, cases)
     failed = [name for name in names if not _bring_up_to_date(project, name, settings)]
     if failed:
         return Failed(message=f"failed: {', '.join(failed)}")
     return Completed(message=f"{len(names)} cases up to date")
+
+
+def _end_with_parent() -> None:
+    """In a process that a schedule started: end when the server that started it is killed."""
+    if "PREFECT__FLOW_RUN_ID" not in os.environ:
+        return
+    parent = os.getppid()
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(1)
+        os.kill(os.getpid(), signal.SIGKILL)  # the store holds nothing half-written
+
+    threading.Thread(target=watch, daemon=True).start()
 
 
 def _bring_up_to_date(project: Project, name: str, settings: Sequence[str]) -> bool:

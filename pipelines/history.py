@@ -68,6 +68,7 @@ class History:
         return (
             told.get("status") == COMPLETE
             and {**told["keys"], **keys} == told["keys"]
+            and os.path.realpath(self.folder / "latest") == str(self.runs()[0].resolve())
             and all(
                 self.project.store.signatures.hash_path(self.project.root / place) == content
                 for place, content in told["published"].items()

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from nodes.errors import BadInput
 from pipelines.project import find_stage
 from pipelines.stage import ACCOUNT, Stage
 
@@ -25,7 +26,7 @@ class Selection:
 
         Raises
         ------
-        BadInput : for a name that is no stage of the pipeline.
+        BadInput : for a name that is no stage of the pipeline, or where nothing is chosen.
         """
         for name in self.forced:
             find_stage(stages, name)
@@ -36,6 +37,12 @@ class Selection:
             chosen &= _downstream(stages, find_stage(stages, self.first))
         if self.last:
             chosen &= upstream(stages, find_stage(stages, self.last)) | {self.last}
+        if not chosen:
+            raise BadInput(
+                f"no stage from {self.first} to {self.last}",
+                f"{self.last} must need {self.first}",
+                "see the pipeline's picture for what needs what",
+            )
         return chosen
 
 

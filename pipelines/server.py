@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from catalog.locks import hold_lock
+from nodes.errors import BadInput
 
 _QUIET = {
     "DO_NOT_TRACK": "1",
@@ -70,6 +71,10 @@ def _start(listener: socket.socket, schedules: bool) -> tuple[Any, threading.Thr
     end = time.monotonic() + _START_SECONDS
     while not server.started:
         if time.monotonic() > end or not thread.is_alive():
-            raise RuntimeError(f"Prefect's server did not start within {_START_SECONDS} s")
+            raise BadInput(
+                "Prefect's own server did not start",
+                f"it must answer within {_START_SECONDS} s and keep its data in data/prefect",
+                "see that the disk has room, or run with --no-prefect",
+            )
         time.sleep(0.02)
     return server, thread

@@ -31,7 +31,7 @@ def _providers(memory: Path) -> dict[str, list[str]]:
     folders = [path for path in sys.path if path.endswith(("site-packages", "dist-packages"))]
     stamp = [[path, os.stat(path).st_mtime_ns] for path in folders if os.path.isdir(path)]
     kept = recall(memory)
-    if kept.get("stamp") == stamp and "providers" in kept:
+    if kept.get("stamp") == stamp and isinstance(kept.get("providers"), dict):
         return kept["providers"]
     found = metadata.packages_distributions()
     providers = {name: sorted(set(where)) for name, where in found.items()}

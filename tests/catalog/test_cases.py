@@ -4,14 +4,14 @@ from pathlib import Path
 
 import pytest
 
-from catalog.cases import check_case_name, list_cases, load_case, resolve_input
+from catalog.cases import Case, check_case_name, list_cases, load_case, resolve_input
 from nodes.errors import BadInput
 from tests.conftest import ROOT
 
 GOOD = "title: A case\npipeline: anatomy\n"
 
 
-def load(folder: Path, text: str):  # noqa: ANN201
+def load(folder: Path, text: str) -> Case:
     (folder / "one.yml").write_text(text)
     return load_case(folder, "one")
 

@@ -215,8 +215,8 @@ def test_a_link_that_leads_back_ends(tmp_path: Path, memory: Path) -> None:
     assert Signatures(memory).hash_path(folder) == by_hand(FILES)
 
 
-DAMAGED = ["", "[]", "{", "null", '{"PATH": null}', '{"PATH": []}', '{"PATH": 5}', '{"PATH": "abc"}',
-           '{"PATH": [1, 2]}', '{"PATH": {"1": 2}}', "\udcff", "[" * 100_000]  # fmt: skip
+DAMAGED = ["", "[]", "{", "null", "\udcff", "[" * 100_000]
+DAMAGED += [f'{{"PATH": {v}}}' for v in ("null", "[]", "5", '"abc"', "[1, 2]", '{"1": 2}')]
 
 
 @pytest.mark.parametrize("text", DAMAGED, ids=range(len(DAMAGED)))

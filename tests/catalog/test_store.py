@@ -70,7 +70,9 @@ def check_what_stands(root: Path) -> None:
     assert record is not None
     assert record.outputs == {"made": CONTENT}
     assert Store(root).load_object(CONTENT) == FILES
-    left = [p.name for p in (root / "scratch").iterdir()] + [p.name for p in root.glob("*.json.*")]
+    left = [
+        path.name for place in ("scratch/*", "locks/*", "*.json.*") for path in root.glob(place)
+    ]
     assert left == []
 
 
@@ -81,14 +83,17 @@ def end_at_every_line(folder: Path, act: Callable[[], None]) -> int:
         root = folder / str(ended)
         child = os.fork()
         if child == 0:
-            sys.settrace(at_line(ended + 1, act))
+            code = 99  # whatever else happens, the child must not go on with the test's own code
             try:
+                sys.settrace(at_line(ended + 1, act))
                 save_all(root)
-                reached = sys.gettrace() is None
+                code = sys.gettrace() is None
             except (OSError, StoreFailure):
-                reached = True
-            os._exit(reached)
+                code = 1
+            finally:
+                os._exit(code)
         _, status = os.waitpid(child, 0)
+        assert os.waitstatus_to_exitcode(status) in (0, 1, -signal.SIGKILL)
         check_what_stands(root)
         if status == 0:
             return ended

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import textwrap
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -121,6 +122,13 @@ def test_two_first_runs_at_once_with_prefect_harm_nothing(toy: Toy) -> None:
     assert toy.total() == 20
 
 
+def wait_until(condition: Callable[[], bool], seconds: float) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it did not happen in time"
+        time.sleep(0.2)
+
+
 def wait_for_server(address: str, seconds: float) -> None:
     host, port = address.split("//")[1].split("/")[0].split(":")
     end = time.monotonic() + seconds
@@ -161,6 +169,22 @@ def test_a_server_in_prefect_api_url_is_used(toy: Toy) -> None:
     assert not (toy.root / "data/prefect/prefect.db").exists()
     with sqlite3.connect(toy.root / "other/prefect/prefect.db") as database:
         assert database.execute("select name from flow_run").fetchall() == [("one",)]
+
+
+def test_a_killed_server_takes_its_scheduled_runs_along(toy: Toy) -> None:
+    toy.edit("nodes/toy/sum_up.py", "return {", "import time\n    time.sleep(99)\n    return {")
+    toy.write(
+        "prefect.yaml",
+        "deployments: [{name: soon, entrypoint: 'pipelines/flows.py:run_cases',"
+        " schedules: [{interval: 5}]}]\n",
+    )
+    serving = subprocess.Popen(toy.command("serve"), cwd=toy.root, stdout=subprocess.DEVNULL)
+    records = toy.root / "data/store/records"
+    wait_until(lambda: len(list(records.glob("*/*.json"))) == 2, 90)  # it is at the third stage
+    assert len(servers_of(toy)) >= 2
+    serving.kill()
+    serving.wait()
+    wait_until(lambda: servers_of(toy) == [], 10)
 
 
 def test_an_interval_schedule_makes_a_run_that_completes_on_a_real_server(toy: Toy) -> None:

@@ -295,3 +295,66 @@ def test_a_failure_is_noted_and_the_next_run_goes_on_from_there(toy: Toy) -> Non
     toy.run()
     assert toy.computed() == ["sum_up", "tell_total"]
     assert sys.version_info >= (3, 11)
+
+
+def test_a_run_killed_at_any_line_then_rerun_ends_as_if_never_killed(toy: Toy) -> None:
+    printed = toy.python("""
+        import json, os, pathlib, shutil, signal, sys
+        import catalog.locks, catalog.signatures, catalog.store
+        import pipelines.engine, pipelines.history, pipelines.index, pipelines.running
+        from pipelines import open_case
+
+        open_case("one").run()  # loads all modules; every child is a fork of this process
+        wanted = pathlib.Path("data/runs/one/latest/run.json").read_text()
+        page = pathlib.Path("reports/one.html").read_text()
+        watched = {
+            m.__file__ for m in (
+                catalog.locks, catalog.signatures, catalog.store, pipelines.engine,
+                pipelines.history, pipelines.index, pipelines.running,
+            )
+        }
+
+        def in_child(act):
+            child = os.fork()
+            if child == 0:
+                code = 99
+                try:
+                    act()
+                    code = 0
+                finally:
+                    os._exit(code)
+            return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+        def killed(number):
+            left = [number]
+            def trace(frame, event, argument):
+                if frame.f_code.co_filename not in watched:
+                    return None
+                if event == "line":
+                    left[0] -= 1
+                    if left[0] == 0:
+                        os.kill(os.getpid(), signal.SIGKILL)
+                return trace
+            sys.settrace(trace)
+            open_case("one").run()
+
+        number, kills = 1, 0
+        while True:
+            shutil.rmtree("data/store"), shutil.rmtree("data/runs"), shutil.rmtree("reports")
+            code = in_child(lambda: killed(number))
+            assert in_child(lambda: open_case("one").run()) == 0
+            told = json.loads(pathlib.Path("data/runs/one/latest/run.json").read_text())
+            assert told["status"] == "complete"
+            assert told["outputs"].keys() == json.loads(wanted)["outputs"].keys()
+            assert told["outputs"]["total"] == json.loads(wanted)["outputs"]["total"]
+            assert "20.0" in pathlib.Path("reports/one.html").read_text()
+            assert pathlib.Path("reports/index.html").exists()
+            assert list(pathlib.Path("data/store/scratch").iterdir()) == []
+            if code == 0:
+                break
+            assert code == -signal.SIGKILL
+            kills += 1
+            number += 41  # every line would take minutes
+        print(kills)
+        """)
+    assert int(printed) > 10

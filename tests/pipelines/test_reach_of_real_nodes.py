@@ -46,7 +46,9 @@ COARSE = {"pixel_spacing_mm": 5.0, "slice_thickness_mm": 8.0}
 def top_of(file: str, line: int) -> str:
     """Return the top-level definition that a line stands in, "" where it is in none."""
     for statement in ast.parse(Path(file).read_bytes()).body:
-        first = min([statement.lineno, *(d.lineno for d in getattr(statement, "decorator_list", []))])
+        first = min(
+            [statement.lineno, *(d.lineno for d in getattr(statement, "decorator_list", []))]
+        )
         if first <= line <= statement.end_lineno:
             return getattr(statement, "name", "")
     return ""
@@ -58,7 +60,11 @@ def called_by(act: Callable[[], Any]) -> tuple[Any, set[str]]:
 
     def watch(frame: Any, event: str, argument: Any) -> None:
         code = frame.f_code
-        if event == "call" and code.co_name != "<module>" and code.co_filename.startswith(str(ROOT)):
+        if (
+            event == "call"
+            and code.co_name != "<module>"
+            and code.co_filename.startswith(str(ROOT))
+        ):
             places.add((code.co_filename, code.co_firstlineno))
 
     sys.setprofile(watch)

@@ -89,11 +89,13 @@ WAYS = {
     "default": "from .helper import used\ndef main(x, y=used(1)):\n    return y",
     "keyword default": "from .helper import used\ndef main(x, *, y=used(1)):\n    return y",
     "decorator": "from .helper import used\n@used\ndef main(x):\n    return x",
-    "constant": "from .helper import used\nTABLE = {'a': used}\ndef main(x):\n    return TABLE['a'](x)",
+    "constant": "from .helper import used\nTABLE = {'a': used}\ndef main(x):\n"
+    "    return TABLE['a'](x)",
     "lambda in a table": "from .helper import used\nTABLE = {'a': lambda y: used(y)}\n"
     "def main(x):\n    return TABLE['a'](x)",
     "annotated constant": "from .helper import used\nN: int = used(1)\ndef main(x):\n    return N",
-    "unpacked constant": "from .helper import used\nA, (B, *C) = used(1)\ndef main(x):\n    return C",
+    "unpacked constant": "from .helper import used\nA, (B, *C) = used(1)\ndef main(x):\n"
+    "    return C",
     "changed constant": "from .helper import used\nN = 1\nN += used(1)\ndef main(x):\n    return N",
     "changed entry": "from .helper import used\nN = {}\nN['a'] = used\ndef main(x):\n    return N",
     "changed attribute": "from .helper import used\ndef f(x): pass\nf.step = used\n"
@@ -101,16 +103,21 @@ WAYS = {
     "partial": "from functools import partial\nfrom .helper import used\nf = partial(used, 1)\n"
     "def main(x):\n    return f()",
     "alias": "from .helper import used\nf = g = used\ndef main(x):\n    return g(x)",
-    "module as constant": "from . import helper\nOPS = helper\ndef main(x):\n    return OPS.used(x)",
-    "module as value": "from . import helper\ndef main(x):\n    return getattr(helper, 'us' + 'ed')(x)",
-    "module in a list": "from . import helper\nALL = [helper]\ndef main(x):\n    return ALL[0].used(x)",
-    "module dictionary": "from . import helper\ndef main(x):\n    return helper.__dict__['used'](x)",
+    "module as constant": "from . import helper\nOPS = helper\ndef main(x):\n"
+    "    return OPS.used(x)",
+    "module as value": "from . import helper\ndef main(x):\n"
+    "    return getattr(helper, 'us' + 'ed')(x)",
+    "module in a list": "from . import helper\nALL = [helper]\ndef main(x):\n"
+    "    return ALL[0].used(x)",
+    "module dictionary": "from . import helper\ndef main(x):\n"
+    "    return helper.__dict__['used'](x)",
     "module variables": "from . import helper\ndef main(x):\n    return vars(helper)['used'](x)",
     "re-export": "from nodes.toy import shown\ndef main(x):\n    return shown(x)",
     "re-export as module": "from nodes import toy\ndef main(x):\n    return toy.shown(x)",
     "through another": "from nodes.toy.between import used\ndef main(x):\n    return used(x)",
     "through a star": "from nodes.toy.starry import used\ndef main(x):\n    return used(x)",
-    "module of module": "from nodes.toy import between\ndef main(x):\n    return between.helper.used(x)",
+    "module of module": "from nodes.toy import between\ndef main(x):\n"
+    "    return between.helper.used(x)",
     "base class": "from .between import Base\nclass Own(Base):\n    pass\n"
     "def main(x):\n    return Own().run(x)",
     "metaclass": "from .between import Base\nclass Own(metaclass=Base):\n    pass\n"
@@ -128,10 +135,12 @@ WAYS = {
     "for at import": "from .helper import used\nN = []\nfor i in range(3):\n    N.append(used(i))\n"
     "def main(x):\n    return N",
     "call at import": "from .helper import used\nused(1)\ndef main(x):\n    return x",
-    "with at import": "from .helper import used\nwith used(1) as N:\n    pass\ndef main(x):\n    return N",
+    "with at import": "from .helper import used\nwith used(1) as N:\n    pass\ndef main(x):\n"
+    "    return N",
     "conditional function": "import sys\nfrom .helper import used\nif sys.platform:\n"
     "    def f(x):\n        return used(x)\nelse:\n    f = None\ndef main(x):\n    return f(x)",
-    "conditional import": "try:\n    from .helper import used\nexcept ImportError:\n    used = None\n"
+    "conditional import": "try:\n    from .helper import used\nexcept ImportError:\n"
+    "    used = None\n"
     "def main(x):\n    return used(x)",
     "first of two imports": "try:\n    from .helper import used\nexcept ImportError:\n"
     "    from .other import used\ndef main(x):\n    return used(x)",
@@ -141,10 +150,12 @@ WAYS = {
     "def main(x):\n    def a():\n        from .other import used\n        return used(x)\n"
     "    return used(x) + a()",
     "one name in two functions": "from .helper import used as f\nclass A:\n"
-    "    def a(self):\n        return f(1)\n    def b(self):\n        from .other import used as f\n"
+    "    def a(self):\n        return f(1)\n    def b(self):\n"
+    "        from .other import used as f\n"
     "        return f(2)\ndef main(x):\n    return A().a()",
     "imported for its effect": "import nodes.toy.effect\ndef main(x):\n    return x",
-    "imported for its effect inside": "def main(x):\n    from nodes.toy import effect\n    return x",
+    "imported for its effect inside": "def main(x):\n    from nodes.toy import effect\n"
+    "    return x",
     "effect of what is imported": "from .chain import free\ndef main(x):\n    return free(x)",
     "registered by decorator": "from .registry import TABLE, register\nfrom .helper import used\n"
     "@register\ndef other(x):\n    return used(x)\ndef main(x):\n    return TABLE['other'](x)",
@@ -155,7 +166,8 @@ WAYS = {
     "subclasses": "from .plugins import Plugin\ndef main(x):\n"
     "    return [p().run(x) for p in Plugin.__subclasses__()]",
     "init subclass": "from .plugins import Known\ndef main(x):\n    return Known.known",
-    "dynamic module attribute": "from .dynamic import anything\ndef main(x):\n    return anything(x)",
+    "dynamic module attribute": "from .dynamic import anything\ndef main(x):\n"
+    "    return anything(x)",
     "exec": "def main(x):\n    exec('from nodes.toy.helper import used; used(1)')",
     "eval": "def main(x):\n    return eval('__import__(\"nodes.toy.helper\").used(1)')",
     "import_module": "from importlib import import_module\ndef main(x):\n"
@@ -169,7 +181,8 @@ WAYS = {
     "sys.modules": "import sys\ndef main(x):\n    return sys.modules['nodes.toy.helper'].used(x)",
     "from sys import modules": "from sys import modules as m\ndef main(x):\n"
     "    return m['nodes.toy.helper'].used(x)",
-    "pkgutil": "import pkgutil\ndef main(x):\n    return pkgutil.resolve_name('nodes.toy.helper').used(x)",
+    "pkgutil": "import pkgutil\ndef main(x):\n"
+    "    return pkgutil.resolve_name('nodes.toy.helper').used(x)",
     "importlib as value": "import importlib\ndef main(x):\n"
     "    return getattr(importlib, 'import_' + 'module')('nodes.toy.helper').used(x)",
     "globals": "from .helper import used\ndef main(x):\n    return globals()['used'](x)",
@@ -195,7 +208,8 @@ OTHERS = {
     "def free(x):\n    return x\n",
     "plugins": "from .helper import used\n\nclass Plugin:\n    pass\n\nclass One(Plugin):\n"
     "    def run(self, x):\n        return used(x)\n\n"
-    "class Known:\n    known = []\n    def __init_subclass__(cls):\n        Known.known.append(cls)\n\n"
+    "class Known:\n    known = []\n    def __init_subclass__(cls):\n"
+    "        Known.known.append(cls)\n\n"
     "class Two(Known):\n    def run(self, x):\n        return used(x)\n",
     "dynamic": "from . import helper\n\ndef __getattr__(name):\n    return helper.used\n",
 }
@@ -260,9 +274,11 @@ def test_comments_docstrings_and_layout_do_not_count(sources: Sources, old: str,
     [
         "from .helper import used\ndef main(x):\n    return used.__doc__",
         "import inspect\nfrom .helper import used\ndef main(x):\n    return inspect.getdoc(used)",
-        "from inspect import getdoc\nfrom .helper import used\ndef main(x):\n    return getdoc(used)",
+        "from inspect import getdoc\nfrom .helper import used\ndef main(x):\n"
+        "    return getdoc(used)",
         "from .reader import read\nfrom .helper import used\ndef main(x):\n    return read(used)",
-        "import inspect\nfrom .helper import used\ndef main(x):\n    return inspect.getsource(used)",
+        "import inspect\nfrom .helper import used\ndef main(x):\n"
+        "    return inspect.getsource(used)",
     ],
 )
 def test_docstrings_count_where_something_reads_them(sources: Sources, main: str) -> None:
@@ -317,7 +333,8 @@ def test_recursion_and_import_cycles_end(sources: Sources) -> None:
     sources.write(
         {
             "main": "from .a import f\ndef main(x):\n    return f(x) or main(x)\n",
-            "a": "from . import b\nfrom .main import main\ndef f(x):\n    return b.g(x) or main(x)\n",
+            "a": "from . import b\nfrom .main import main\ndef f(x):\n"
+            "    return b.g(x) or main(x)\n",
             "b": "from .a import *\nfrom . import a\ndef g(x):\n    return a.f(x) or f(a)\n",
         }
     )
