@@ -53,7 +53,7 @@ def load_mapping(path: Path) -> dict[str, Any]:
 def load_value(text: str) -> Any:
     """Return what a value means in YAML, as after `--set key=`; plain text where it is no YAML."""
     try:
-        return yaml.load(text, _Loader)
+        return "" if not text else yaml.load(text, _Loader)
     except yaml.YAMLError:
         return text
 

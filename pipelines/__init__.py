@@ -5,6 +5,10 @@ In Python and notebooks: `from pipelines import open_case`.
 
 from typing import TYPE_CHECKING
 
+from pipelines.loading import load_from_source
+
+load_from_source()
+
 if TYPE_CHECKING:
     from pipelines.opened_case import OpenedCase
 

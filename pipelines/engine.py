@@ -197,7 +197,7 @@ class Run:
             )
             for name, value in zip(stage.outputs, values, strict=True)
         }
-        if self.project.reader.source_has_changed():
+        if not self.project.reader.is_still(stage, parts["code"]):
             raise BadInput(
                 f"source was edited while {stage.name} was computed, or since this Python began",
                 "a result counts only for the code that made it",

@@ -21,6 +21,9 @@ from pipelines.project import Project
 from pipelines.running import run_case, runnable_cases
 from pipelines.stage import Stage
 
+# Tells the processes of scheduled runs who started them.
+_SERVER = "TENDRIL_SERVER_PID"
+
 
 class StageFailed(RuntimeError):
     """All that Prefect's database learns of a failure: an error's own words may name files."""
@@ -83,7 +86,6 @@ def run_cases(pipeline: str = "", cases: Sequence[str] = (), settings: Sequence[
     cases : names of cases; all where empty.
     settings : `key=value` on top of each case's own parameters.
     """
-    _end_with_parent()
     project = Project()
     names = runnable_cases(project, pipeline, cases)
     failed = [name for name in names if not _bring_up_to_date(project, name, settings)]
@@ -94,12 +96,12 @@ def run_cases(pipeline: str = "", cases: Sequence[str] = (), settings: Sequence[
 
 def _end_with_parent() -> None:
     """In a process that a schedule started: end when the server that started it is killed."""
-    if "PREFECT__FLOW_RUN_ID" not in os.environ:
+    server = int(os.environ.get(_SERVER, 0))
+    if not server:
         return
-    parent = os.getppid()
 
     def watch() -> None:
-        while os.getppid() == parent:
+        while os.getppid() == server:
             time.sleep(1)
         os.kill(os.getpid(), signal.SIGKILL)  # the store holds nothing half-written
 
@@ -118,6 +120,7 @@ def _bring_up_to_date(project: Project, name: str, settings: Sequence[str]) -> b
 
 def serve_schedules(project: Project) -> None:
     """Serve the deployments of prefect.yaml until stopped."""
+    os.environ[_SERVER] = str(os.getpid())
     entries = load_mapping(project.root / "prefect.yaml")["deployments"]
     serve(*(_deployment(entry, project.root) for entry in entries))
 
@@ -143,3 +146,7 @@ def _schedule(entry: dict[str, Any]) -> Any:
     if "cron" in entry:
         return Cron(entry["cron"], timezone=entry.get("timezone", "UTC"))
     return Interval(entry["interval"], timezone=entry.get("timezone", "UTC"))
+
+
+# When it is loaded, not when the flow begins: a run that waits for its turn must end, too.
+_end_with_parent()

@@ -69,11 +69,21 @@ class History:
             told.get("status") == COMPLETE
             and {**told["keys"], **keys} == told["keys"]
             and os.path.realpath(self.folder / "latest") == str(self.runs()[0].resolve())
+            and told["published"].keys() == set(self._places(told["outputs"]).values())
             and all(
                 self.project.store.signatures.hash_path(self.project.root / place) == content
                 for place, content in told["published"].items()
             )
         )
+
+    def _places(self, outputs: Mapping[str, str]) -> dict[str, str]:
+        """Return dataset -> place, relative to the project, of what is to be published."""
+        places = {name: self.project.catalog[name].place for name in outputs}
+        return {
+            name: place.format(case=self.case)
+            for name, place in places.items()
+            if place.startswith("reports/")
+        }
 
     def keep(self, run: "Run", status: str, error: str = "") -> Path:
         """Note a run, link its artefacts and publish its pages; return its folder."""
@@ -152,13 +162,10 @@ class History:
     def _publish(self, outputs: Mapping[str, str]) -> dict[str, str]:
         """Copy pages to where the catalog wants them; return place -> content hash of the copy."""
         published = {}
-        for name, content in outputs.items():
-            place = self.project.catalog[name].place
-            if place.startswith("reports/"):
-                place = place.format(case=self.case)
-                (data,) = self.project.store.load_object(content).values()
-                publish(self.project, self.project.root / place, data)
-                published[place] = hash_files({Path(place).name: data})
+        for name, place in self._places(outputs).items():
+            (data,) = self.project.store.load_object(outputs[name]).values()
+            publish(self.project, self.project.root / place, data)
+            published[place] = hash_files({Path(place).name: data})
         return published
 
 

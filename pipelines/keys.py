@@ -3,6 +3,7 @@
 import json
 from collections.abc import Mapping
 from hashlib import sha256
+from pathlib import Path
 from typing import Any
 
 from pipelines.project import Job, Project
@@ -21,7 +22,7 @@ def made_from(
     """
     facts = project.reader.facts(stage)
     parameters = job.parameters.get(stage.name)
-    known = {**hashes, ACCOUNT: _account_identity(job, hashes)}
+    known = {**hashes, ACCOUNT: _account_identity(project, job, hashes)}
     datasets = (*stage.inputs, *stage.outputs)
     return {
         "function": stage.target,
@@ -30,7 +31,7 @@ def made_from(
         "inputs": {argument: known[name] for argument, name in stage.arguments.items()},
         "outputs": list(stage.outputs),
         "formats": {name: project.catalog[name].format for name in datasets},
-        "packages": package_versions(facts.packages, project.store.root / "packages.json"),
+        "packages": _versions(project, stage),
     }
 
 
@@ -39,15 +40,28 @@ def key_of(parts: Mapping[str, Any]) -> str:
     return sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
 
 
-def _account_identity(job: Job, hashes: Mapping[str, str]) -> str:
-    """Return a hash of what an account says of results, without when and how fast it was.
+def _account_identity(project: Project, job: Job, hashes: Mapping[str, str]) -> str:
+    """Return a hash of what an account tells, but for when and how fast it was and what was cached.
 
     So a page is made anew when anything that it shows has changed, and not because its stages came
     from the cache this time.
     """
     changed = [[c.stage, c.name, c.value, c.default, c.meaning] for c in job.changed]
-    told = [job.case.name, job.case.title, job.case.pipeline, changed, dict(hashes)]
+    stages = [_stage_identity(project, stage) for stage in job.stages]
+    teller = Path(__file__).with_name("account.py").read_text("utf-8")
+    case = [job.case.name, job.case.title, job.case.pipeline]
+    told = [case, changed, stages, dict(hashes), teller]
     return sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
+
+
+def _stage_identity(project: Project, stage: Stage) -> list:
+    facts = project.reader.facts(stage)
+    return [stage.name, facts.summary, stage.inputs, stage.outputs, _versions(project, stage)]
+
+
+def _versions(project: Project, stage: Stage) -> dict[str, str]:
+    packages = project.reader.facts(stage).packages
+    return package_versions(packages, project.store.root / "packages.json")
 
 
 def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:

@@ -12,14 +12,12 @@ from typing import Any
 from catalog.datasets import Dataset, find_dataset
 from catalog.memory import recall, remember
 from nodes.errors import BadInput
+from pipelines.loading import loaded
 from pipelines.source_tree import SourceTree
 from pipelines.stage import Stage
 
 # See catalog.signatures: a file that changed within the last tick may change again unseen.
 _TICK_NS = 1_000_000_000
-# The state of the source when this process first read it: modules that are loaded stay as they
-# were then, whatever is edited later.
-_first_stamp: dict[Path, list] = {}
 
 
 @dataclass(frozen=True)
@@ -54,7 +52,6 @@ class NodeReader:
         self._root, self._catalog, self._memory = root, dict(catalog), memory
         self._tree = SourceTree(root)
         self.stamp = self._stamp()
-        _first_stamp.setdefault(root, self.stamp)
         known = recall(memory)
         usable = known.get("stamp") == self.stamp and known.get("python") == sys.version
         self._known: dict[str, dict] = known.get("facts", {}) if usable else {}
@@ -68,13 +65,20 @@ class NodeReader:
         """
         place = repr((stage.target, stage.arguments, stage.outputs))
         if place not in self._known:
-            self._known[place] = asdict(self._read(stage))
+            self._known[place] = asdict(self._read(stage, self._tree))
             self._remember()
         return NodeFacts(**self._known[place])
 
-    def source_has_changed(self) -> bool:
-        """Return whether a source file was touched since this process first read the source."""
-        return self._stamp() != _first_stamp[self._root]
+    def is_still(self, stage: Stage, code: Mapping[str, str]) -> bool:
+        """Return whether the code that this process has loaded for a stage is that of its key.
+
+        It is not where a file was edited after it was loaded, or between plan and import; an edit
+        that the stage does not reach does no harm.
+        """
+        if self._stamp() == self.stamp and not _edited_since_loaded(self._root):
+            return True
+        as_loaded = SourceTree(self._root, loaded=loaded)
+        return self._read(stage, as_loaded).code == code
 
     def _remember(self) -> None:
         newest = max(row[4] for row in self.stamp)
@@ -82,9 +86,19 @@ class NodeReader:
             facts = {"stamp": self.stamp, "python": sys.version, "facts": self._known}
             remember(self._memory, facts)
 
-    def _read(self, stage: Stage) -> NodeFacts:
+    def _read(self, stage: Stage, tree: SourceTree) -> NodeFacts:
         try:
-            signature = self._tree.signature(stage.target)
+            return self._gather(stage, tree)
+        except SyntaxError as error:
+            raise BadInput(
+                f"{Path(error.filename or '').name}, line {error.lineno}: {error.msg}",
+                "source must be Python",
+                "mend the file",
+            ) from error
+
+    def _gather(self, stage: Stage, tree: SourceTree) -> NodeFacts:
+        try:
+            signature = tree.signature(stage.target)
         except LookupError as error:
             raise BadInput(
                 f"stage {stage.name}: {error.args[0]}",
@@ -92,10 +106,10 @@ class NodeReader:
                 "mend the pipeline's list of stages",
             ) from error
         self._check_arguments(stage, signature.arguments, signature.takes_more)
-        reach = self._tree.reach(stage.target)
+        reach = tree.reach(stage.target)
         for name in (*stage.inputs, *stage.outputs):
             if target := find_dataset(self._catalog, name).format_target:
-                more = self._tree.reach(target)
+                more = tree.reach(target)
                 reach.definitions |= more.definitions
                 reach.packages |= more.packages
         parameters = self._parameters_target(stage, signature.parameters_type)
@@ -120,19 +134,38 @@ class NodeReader:
     def _parameters_target(self, stage: Stage, written: str) -> str:
         if not written:
             return ""
-        module = self._tree.module(stage.target.partition(":")[0])
-        dotted = module.imports.get(written, "") if module else ""
-        source, _, name = dotted.rpartition(".")
+        home = stage.target.partition(":")[0]
+        module = self._tree.module(home)
+        name = written.strip("'\"")
+        if module and name in module.definitions:
+            return f"{home}:{name}"
+        source, _, name = (module.imports if module else {}).get(name, "").rpartition(".")
+        if not source:
+            raise BadInput(
+                f"stage {stage.name}: parameters: {written}",
+                "the type of parameters must be a class that the node's file imports",
+                "write `parameters: NameOfClass`, imported from a parameters module",
+            )
         return f"{source}:{name}"
 
     def _stamp(self) -> list[list]:
         """Return name, size, inode and both times of every file that code is read from."""
         rows = []
         for package in self._tree.packages:
-            for folder, folders, names in os.walk(self._root / package):
+            for folder, folders, names in os.walk(self._root / package, followlinks=True):
                 folders[:] = sorted(f for f in folders if f != "__pycache__")
                 rows += [_stat_row(os.path.join(folder, name)) for name in sorted(names)]
         return [row for row in rows if "/catalog/cases/" not in row[0]]
+
+
+def _edited_since_loaded(root: Path) -> bool:
+    """Return whether any file differs from what this process loaded from it."""
+    for name, source in loaded.items():
+        base = root.joinpath(*name.split("."))
+        path = base / "__init__.py" if base.is_dir() else base.with_name(f"{base.name}.py")
+        if not path.is_file() or path.read_bytes() != source:
+            return True
+    return False
 
 
 def _stat_row(path: str) -> list:

@@ -120,7 +120,27 @@ def find_pipeline(name: str) -> tuple[Stage, ...]:
     """Return the stages of a pipeline; a name that is not there is answered with the nearest."""
     if name not in PIPELINES:
         raise unknown("pipeline", name, PIPELINES)
-    return tuple(PIPELINES[name].STAGES)
+    stages = tuple(PIPELINES[name].STAGES)
+    _check_order(name, stages)
+    return stages
+
+
+def _check_order(pipeline: str, stages: Sequence[Stage]) -> None:
+    """Refuse a list of stages in which a name stands twice or an output is used before it is made."""
+    names = [stage.name for stage in stages]
+    outputs = [name for stage in stages for name in stage.outputs]
+    twice = {name for name in names if names.count(name) > 1}
+    twice |= {name for name in outputs if outputs.count(name) > 1}
+    late = set()
+    for place, stage in enumerate(stages):
+        made_later = {name for other in stages[place:] for name in other.outputs}
+        late |= made_later & set(stage.inputs)
+    if twice or late:
+        raise BadInput(
+            f"pipeline {pipeline}: {', '.join(sorted(twice | late))}",
+            "each stage and each output has one name, and is made before it is used",
+            f"mend the list of stages in pipelines/{pipeline}.py",
+        )
 
 
 def find_stage(stages: Sequence[Stage], name: str) -> Stage:

@@ -28,8 +28,17 @@ class Selection:
         ------
         BadInput : for a name that is no stage of the pipeline, or where nothing is chosen.
         """
+        chosen = self._choose(stages)
         for name in self.forced:
-            find_stage(stages, name)
+            if find_stage(stages, name).name not in chosen:
+                raise BadInput(
+                    f"--force {name}",
+                    "a stage that is computed anew must be chosen",
+                    f"choose it too, for instance with --from {name}",
+                )
+        return chosen
+
+    def _choose(self, stages: Sequence[Stage]) -> set[str]:
         if self.only:
             return {find_stage(stages, self.only).name}
         chosen = {stage.name for stage in stages}

@@ -12,18 +12,18 @@ holds, and functions that a decorator of the project's own may note somewhere.
 import ast
 import copy
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 from hashlib import sha256
 from pathlib import Path
+
+from pipelines.source_module import Module, Signature, is_text, read_signature
 
 _UNFOLLOWABLE = {"exec", "eval", "__import__", "import_module", "globals", "vars"}
 _UNFOLLOWABLE |= {"__globals__", "__subclasses__", "__init_subclass__"}
 # Of the standard library, what finds code by its name; "importlib" itself only as a value.
 _FINDERS = ("builtins", "importlib.machinery", "importlib.util", "pickle", "pkgutil", "runpy")
 _FINDERS += ("sys.modules",)
-_READS_TEXT = (b"__doc__", b"getdoc", b"getsource", b"model_fields", b"model_json_schema")
 _WHOLE = "*"
 
 
@@ -35,116 +35,21 @@ class Reach:
     packages: set[str] = field(default_factory=set)
 
 
-@dataclass(frozen=True)
-class Signature:
-    """What a function's source says of it."""
-
-    summary: str
-    arguments: tuple[str, ...]
-    takes_more: bool
-    parameters_type: str
-
-
-class Module:
-    """The source of one module, taken apart."""
-
-    def __init__(self, name: str, path: Path, packages: tuple[str, ...]) -> None:
-        self.name, self.path, self._packages = name, path, packages
-        self.is_package = path.name == "__init__.py"
-        tree = ast.parse(path.read_bytes(), filename=str(path))
-        self.definitions: dict[str, list[ast.stmt]] = {}
-        self.at_import: list[ast.stmt] = []
-        self.imports_run: list[ast.Import | ast.ImportFrom] = []
-        self.meanings: dict[str, list[str]] = {}
-        self.stars: list[str] = []
-        self.texts = "".join(ast.dump(s) for s in tree.body if _is_text(s))
-        for statement in tree.body:
-            self._sort_in(statement)
-
-    @property
-    def imports(self) -> dict[str, str]:
-        """Local name -> dotted name that it means, the last where several imports bring it."""
-        return {name: dotted[-1] for name, dotted in self.meanings.items()}
-
-    def _sort_in(self, statement: ast.stmt) -> None:
-        if isinstance(statement, ast.Import | ast.ImportFrom):
-            self._sort_in_import(statement)
-            self.imports_run.append(statement)
-        elif names := list(_defined_names(statement)):
-            for name in names:
-                self.definitions.setdefault(name, []).append(statement)
-            if self._acts_elsewhere(statement):
-                self.at_import.append(statement)
-        elif not _is_text(statement):
-            self._sort_in_block(statement)
-
-    def _sort_in_block(self, block: ast.stmt) -> None:
-        """Sort in a statement that holds others: `if`, `try`, `for`, `with`; or an expression."""
-        runs = not _is_for_type_checkers(block)
-        if runs:
-            self.at_import.append(block)
-        for inner in ast.walk(block):
-            if isinstance(inner, ast.Import | ast.ImportFrom):
-                self._sort_in_import(inner)
-                self.imports_run += [inner] * runs
-            elif isinstance(inner, ast.stmt):
-                for name in _defined_names(inner):
-                    self.definitions.setdefault(name, []).append(block)
-
-    def _sort_in_import(self, statement: ast.Import | ast.ImportFrom) -> None:
-        for name, dotted in self.imported_names(statement).items():
-            self.meanings.setdefault(name, []).append(dotted)
-        if isinstance(statement, ast.ImportFrom) and statement.names[0].name == "*":
-            self.stars.append(self._source_of(statement))
-
-    def _acts_elsewhere(self, statement: ast.stmt) -> bool:
-        """Return whether a definition may change what other modules hold."""
-        if isinstance(statement, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
-            names = (n.id for d in statement.decorator_list for n in ast.walk(d) if _is_name(n))
-            return any(name in self.definitions or self._is_ours(name) for name in names)
-        return any(self._is_ours(name) for name in _defined_names(statement))
-
-    def _is_ours(self, name: str) -> bool:
-        """Return whether an imported name is the project's own."""
-        return any(d.partition(".")[0] in self._packages for d in self.meanings.get(name, ()))
-
-    def imported_names(self, statement: ast.Import | ast.ImportFrom) -> dict[str, str]:
-        """Return local name -> dotted name of what an import statement brings."""
-        if isinstance(statement, ast.ImportFrom):
-            source = self._source_of(statement)
-            return {a.asname or a.name: f"{source}.{a.name}" for a in statement.names}
-        return {
-            alias.asname or alias.name.partition(".")[0]: alias.name
-            if alias.asname
-            else alias.name.partition(".")[0]
-            for alias in statement.names
-        }
-
-    def loaded_by(self, statement: ast.Import | ast.ImportFrom) -> list[str]:
-        """Return the dotted names that an import statement may load as modules."""
-        if isinstance(statement, ast.Import):
-            return [alias.name for alias in statement.names]
-        return list(self.imported_names(statement).values())
-
-    def _source_of(self, statement: ast.ImportFrom) -> str:
-        if not statement.level:
-            return statement.module or ""
-        parts = self.name.split(".")
-        keep = len(parts) - statement.level + self.is_package
-        return ".".join(parts[:keep] + ([statement.module] if statement.module else []))
-
-    @cached_property
-    def reads_docstrings(self) -> bool:
-        """Return whether the module may look at docstrings or source, so that they count."""
-        source = self.path.read_bytes()
-        return any(word in source for word in _READS_TEXT)
-
-
 class SourceTree:
-    """The project's own modules under a root folder."""
+    """The project's own modules under a root folder.
 
-    def __init__(self, root: Path, packages: tuple[str, ...] = ("nodes", "catalog")) -> None:
-        self.root, self.packages = root, packages
+    Parameters
+    ----------
+    loaded : module -> source that takes the place of its file's, as a process has loaded it.
+    """
+
+    def __init__(
+        self,
+        root: Path,
+        packages: tuple[str, ...] = ("nodes", "catalog"),
+        loaded: Mapping[str, bytes] | None = None,
+    ) -> None:
+        self.root, self.packages, self._loaded = root, packages, loaded or {}
         self._modules: dict[str, Module | None] = {}
 
     def reach(self, target: str) -> Reach:
@@ -164,7 +69,7 @@ class SourceTree:
         found = module.definitions.get(function, []) if module else []
         if not found or not isinstance(found[0], ast.FunctionDef):
             raise LookupError(f"no function {function} in {name}")
-        return _read_signature(found[0])
+        return read_signature(found[0])
 
     def module(self, name: str) -> Module | None:
         """Return a module of the project, None if the name is no module of it."""
@@ -178,7 +83,7 @@ class SourceTree:
         base = self.root.joinpath(*name.split("."))
         for path in (base / "__init__.py", base.with_name(f"{base.name}.py")):
             if path.is_file():
-                return Module(name, path, self.packages)
+                return Module(name, path, self.packages, self._loaded.get(name))
         return None
 
     def names_below(self, package: str) -> Iterator[str]:
@@ -336,42 +241,13 @@ def _names_in(statement: ast.stmt) -> Iterator[str]:
                 inner_parts.add(id(node))
 
 
-def _is_name(node: ast.AST) -> bool:
-    return isinstance(node, ast.Name)
-
-
-def _is_for_type_checkers(statement: ast.stmt) -> bool:
-    """Return whether the statement is an `if TYPE_CHECKING:`, whose body never runs."""
-    if not isinstance(statement, ast.If) or statement.orelse:
-        return False
-    return ast.unparse(statement.test).rpartition(".")[2] == "TYPE_CHECKING"
-
-
-def _defined_names(statement: ast.stmt) -> Iterator[str]:
-    if isinstance(statement, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
-        yield statement.name
-    elif isinstance(statement, ast.Assign | ast.AnnAssign | ast.AugAssign):
-        targets = statement.targets if isinstance(statement, ast.Assign) else None
-        one = getattr(statement, "target", None) or getattr(statement, "name", None)
-        for target in targets or [one]:
-            yield from (n.id for n in ast.walk(target) if isinstance(n, ast.Name))
-
-
-def _is_text(statement: ast.stmt) -> bool:
-    return (
-        isinstance(statement, ast.Expr)
-        and isinstance(statement.value, ast.Constant)
-        and isinstance(statement.value.value, str)
-    )
-
-
 class _WithoutText(ast.NodeTransformer):
     """Drops bare strings: docstrings of functions and classes, and those under fields."""
 
     def generic_visit(self, node: ast.AST) -> ast.AST:
         super().generic_visit(node)
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
-            node.body = [s for s in node.body if not _is_text(s)] or [ast.Pass()]
+            node.body = [s for s in node.body if not is_text(s)] or [ast.Pass()]
         return node
 
 
@@ -397,11 +273,3 @@ def _data_files(folder: Path) -> Iterator[Path]:
             yield from _data_files(path)
         elif path.is_file() and path.suffix != ".py":
             yield path
-
-
-def _read_signature(function: ast.FunctionDef) -> Signature:
-    arguments = function.args.args + function.args.kwonlyargs
-    types = {a.arg: ast.unparse(a.annotation) if a.annotation else "" for a in arguments}
-    parameters_type = types.pop("parameters", "")
-    summary = (ast.get_docstring(function) or "").partition("\n")[0]
-    return Signature(summary, tuple(types), bool(function.args.vararg), parameters_type)

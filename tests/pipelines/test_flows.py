@@ -184,7 +184,7 @@ def test_a_killed_server_takes_its_scheduled_runs_along(toy: Toy) -> None:
     assert len(servers_of(toy)) >= 2
     serving.kill()
     serving.wait()
-    wait_until(lambda: servers_of(toy) == [], 10)
+    wait_until(lambda: servers_of(toy) == [], 40)
 
 
 def test_an_interval_schedule_makes_a_run_that_completes_on_a_real_server(toy: Toy) -> None:

@@ -6,6 +6,8 @@ import shutil
 import subprocess
 import sys
 
+import pytest
+
 from tests.toy import STAGES, Toy
 
 
@@ -199,14 +201,50 @@ def test_nothing_to_do_loads_neither_prefect_nor_science(toy: Toy) -> None:
     assert toy.python(source).splitlines()[-1] == "[]"
 
 
-def test_source_edited_during_a_run_does_not_count_as_done(toy: Toy) -> None:
-    toy.edit(
-        "nodes/toy/double_numbers.py",
-        "return {",
-        "open('nodes/toy/deeper.py', 'a').write('x = 1\\n')\n    return {",
-    )
+def edit_while_it_runs(toy: Toy, stage: str, line: str) -> None:
+    """Let a stage append a line to deeper.py, once, when it is called."""
+    source = f"f = open('nodes/toy/deeper.py', 'r+'); line = {line!r}\n    "
+    source += "line in f.read() or f.write(line); f.close()\n    return {"
+    toy.edit(f"nodes/toy/{stage}.py", "return {", source)
+
+
+def test_an_edit_during_a_run_that_a_stage_does_not_reach_does_no_harm(toy: Toy) -> None:
+    edit_while_it_runs(toy, "double_numbers", "x = 1\n")
+    toy.run()
+    assert toy.computed() == list(STAGES)
+
+
+@pytest.mark.parametrize("seconds", ["+0", "+0.5"])
+def test_an_edit_of_the_same_size_within_a_second_counts(toy: Toy, seconds: str) -> None:
+    """Python itself would take the compiled file for fresh: same size, same whole second."""
+    path = toy.root / "nodes/toy/deeper.py"
+    os.utime(path, (1_000_000_000, 1_000_000_000))
+    more = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
+    words = toy.command("run", "--no-prefect")
+    subprocess.run(words, cwd=toy.root, env=more, check=True, capture_output=True)
+    toy.edit("nodes/toy/deeper.py", "a * b", "a + b")
+    time = 1_000_000_000 + float(seconds)
+    os.utime(path, (time, time))
+    subprocess.run(words, cwd=toy.root, env=more, check=True, capture_output=True)
+    assert toy.computed() == ["double_numbers", "sum_up", "tell_total"]
+    assert toy.total() == 18
+
+
+def test_an_edit_after_code_was_loaded_leaves_the_result_to_the_old_code(toy: Toy) -> None:
+    edit_while_it_runs(toy, "sum_up", "def multiply(a, b): return 0\n")
+    toy.run()
+    assert toy.total() == 20
+    toy.run()
+    assert toy.computed() == ["double_numbers", "sum_up", "tell_total"]
+    assert toy.total() == 0
+
+
+def test_an_edit_between_plan_and_loading_does_not_count_as_done(toy: Toy) -> None:
+    edit_while_it_runs(toy, "count_up", "def multiply(a, b): return 0\n")
     assert "edited while double_numbers" in toy.run(code=3)
     assert toy.told()["stages"] == {"count_up": "computed"}
+    toy.run()
+    assert toy.total() == 0
 
 
 def test_two_runs_at_once_share_the_work(toy: Toy) -> None:
@@ -286,6 +324,23 @@ def test_a_python_that_saw_older_source_refuses_to_store_results_for_the_newer(t
     assert printed.strip() == "BadInput True"
 
 
+def test_a_node_that_was_imported_and_then_edited_is_not_taken_for_the_new_one(toy: Toy) -> None:
+    printed = toy.python("""
+        import pathlib
+        from nodes.toy.double_numbers import double_numbers
+        path = pathlib.Path("nodes/toy/deeper.py")
+        path.write_text(path.read_text().replace("a * b", "a * b + 7"))
+        from pipelines import open_case
+        try:
+            open_case("one").run()
+        except Exception as error:
+            print(type(error).__name__, "restart" in str(error))
+        """)
+    assert printed.strip() == "BadInput True"
+    toy.run()
+    assert toy.total() == 48
+
+
 def test_a_failure_is_noted_and_the_next_run_goes_on_from_there(toy: Toy) -> None:
     toy.edit("nodes/toy/sum_up.py", '"big"', '"bad": 1 / 0, "big"')
     assert "ZeroDivisionError" in toy.run(code=1)
@@ -358,3 +413,49 @@ def test_a_run_killed_at_any_line_then_rerun_ends_as_if_never_killed(toy: Toy) -
         print(kills)
         """)
     assert int(printed) > 10
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new"),
+    [
+        ("nodes/toy/sum_up.py", "Add numbers.", "Add all numbers."),
+        ("pipelines/account.py", "title=case.title", "title=case.title.upper()"),
+        ("catalog/cases/one.yml", "Case one", "Case uno"),
+        ("pipelines/toy.py", '["total"])', '["total"], name="add")'),
+    ],
+)
+def test_a_page_is_made_anew_when_what_it_tells_has_changed(
+    toy: Toy, file: str, old: str, new: str
+) -> None:
+    toy.run()
+    toy.edit(file, old, new)
+    toy.run()
+    assert toy.computed() == ["tell_total"]
+
+
+def test_a_page_that_gets_another_place_is_published_there(toy: Toy) -> None:
+    toy.run()
+    toy.edit("catalog/catalog.yml", "reports/{case}.html", "reports/pages/{case}.html")
+    toy.run()
+    assert toy.computed() == []
+    assert (toy.root / "reports/pages/one.html").exists()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ('["doubled"], ["total"]', '["total"], ["doubled"]', "pipeline toy"),
+        ('["total"])', '["total"], name="count_up")', "count_up"),
+        ('["doubled"], ["total"]', '["doubled"], ["numbers"]', "numbers"),
+        ("toy.sum_up", "toy.sum_it_up", "no function sum_it_up"),
+        ('["seed_file"], ["numbers"]', '["seed"], ["numbers"]', "takes seed_file"),
+    ],
+)
+def test_a_pipeline_that_does_not_fit_is_refused(toy: Toy, old: str, new: str, told: str) -> None:
+    toy.edit("pipelines/toy.py", old, new)
+    assert told in toy.run(code=3)
+
+
+def test_source_that_is_no_python_is_told_with_its_line(toy: Toy) -> None:
+    toy.edit("nodes/toy/deeper.py", "return a * b", "return a *")
+    assert "deeper.py, line 2" in toy.run(code=3)
