@@ -126,7 +126,7 @@ def find_pipeline(name: str) -> tuple[Stage, ...]:
 
 
 def _check_order(pipeline: str, stages: Sequence[Stage]) -> None:
-    """Refuse a list of stages in which a name stands twice or an output is used before it is made."""
+    """Refuse stages in which a name stands twice or an output is used before it is made."""
     names = [stage.name for stage in stages]
     outputs = [name for stage in stages for name in stage.outputs]
     twice = {name for name in names if names.count(name) > 1}

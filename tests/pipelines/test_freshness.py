@@ -48,8 +48,8 @@ def test_an_edited_helper_two_imports_away_reruns_what_depends_on_it_and_nothing
 
 def test_comments_docstrings_and_layout_do_not_count(toy: Toy) -> None:
     toy.run()
-    toy.edit("nodes/toy/deeper.py", "return a * b", "# why\n\n    return (a *\n        b)  # so")
-    toy.edit("nodes/toy/sum_up.py", "Add numbers.", "Add all numbers.")
+    told = "'''Return a product.'''\n    # why\n\n    return (a *\n        b)  # so"
+    toy.edit("nodes/toy/deeper.py", "return a * b", told)
     assert "nothing to do" in toy.run()
 
 
