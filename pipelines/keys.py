@@ -60,8 +60,11 @@ def _stage_identity(project: Project, stage: Stage) -> list:
 
 
 def _versions(project: Project, stage: Stage) -> dict[str, str]:
-    packages = project.reader.facts(stage).packages
-    return package_versions(packages, project.store.root / "packages.json")
+    packages = tuple(project.reader.facts(stage).packages)
+    if packages not in project.versions:
+        memory = project.store.root / "packages.json"
+        project.versions[packages] = package_versions(packages, memory)
+    return project.versions[packages]
 
 
 def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:

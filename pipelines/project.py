@@ -40,6 +40,8 @@ class Project:
         self.runs = self.data / "runs"
         self.store = Store(self.data / "store")
         self.cases_folder = self.root / "catalog" / "cases"
+        # Imported packages -> versions, asked for once: what is loaded stays as it is.
+        self.versions: dict[tuple[str, ...], dict[str, str]] = {}
 
     @cached_property
     def catalog(self) -> dict:

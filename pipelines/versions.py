@@ -3,7 +3,6 @@
 import os
 import sys
 from collections.abc import Iterable
-from functools import cache
 from importlib import metadata
 from pathlib import Path
 
@@ -21,7 +20,6 @@ def package_versions(imports: Iterable[str], memory: Path) -> dict[str, str]:
     return {"python": sys.version.split()[0]} | {name: _version(name) for name in sorted(names)}
 
 
-@cache
 def _version(distribution: str) -> str:
     try:
         return metadata.version(distribution)
