@@ -1,61 +1,54 @@
 """What a run tells of itself, for the page that it makes."""
 
 import os
+from collections.abc import Mapping
 from importlib import metadata
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from nodes.reporting.artefacts import RunAccount, StageAccount
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from pipelines.engine import Run
+from pipelines.outcomes import Outcome
+from pipelines.project import Job, Project
+from pipelines.stage import Stage
 
 
-def tell_run(run: "Run") -> RunAccount:
+def tell_run(
+    project: Project,
+    job: Job,
+    hashes: Mapping[str, str],
+    outcomes: Mapping[str, Outcome],
+    started: str,
+) -> RunAccount:
     """Return the account of a run up to now; inputs are described without their paths."""
-    case = run.job.case
     packages: dict[str, str] = {"tendril": metadata.version("tendril")}
-    for outcome in run.outcomes.values():
+    for outcome in outcomes.values():
         packages |= outcome.record.made_from["packages"]
-    inputs = tuple(
-        (name, describe_files(path), run.hashes[name]) for name, path in run.job.inputs.items()
-    )
     return RunAccount(
-        case=case.name,
-        title=case.title,
-        pipeline=case.pipeline,
-        run=run.started,
-        started=run.started,
-        inputs=inputs,
-        stages=tuple(_tell_stage(run, stage) for stage in run.job.stages),
-        changed_parameters=run.job.changed,
+        case=job.case.name,
+        title=job.case.title,
+        pipeline=job.case.pipeline,
+        run=started,
+        started=started,
+        inputs=tuple(
+            (name, describe_files(path), hashes[name]) for name, path in job.inputs.items()
+        ),
+        stages=tuple(_tell_stage(project, s, outcomes.get(s.name)) for s in job.stages),
+        changed_parameters=job.changed,
         versions=tuple(sorted(packages.items())),
     )
 
 
-def _tell_stage(run: "Run", stage) -> StageAccount:
-    outcome = run.outcomes.get(stage.name)
-    summary = run.project.reader.facts(stage).summary
+def _tell_stage(project: Project, stage: Stage, outcome: Outcome | None) -> StageAccount:
+    summary = project.reader.facts(stage).summary
+    told = stage.name, summary, stage.inputs, stage.outputs
     if outcome is None:
-        return StageAccount(
-            stage.name, summary, stage.inputs, stage.outputs, "running", (), 0.0, "", ()
-        )
+        return StageAccount(*told, "running", (), 0.0, "", ())
     record = outcome.record
-    return StageAccount(
-        stage.name,
-        summary,
-        stage.inputs,
-        stage.outputs,
-        outcome.status,
-        outcome.reasons,
-        record.seconds,
-        record.key,
-        tuple(record.outputs[name] for name in stage.outputs),
-    )
+    hashes = tuple(record.outputs[name] for name in stage.outputs)
+    how = outcome.status, outcome.reasons, record.seconds
+    return StageAccount(*told, *how, record.key, hashes)
 
 
-def describe_files(path: "Path") -> str:
+def describe_files(path: Path) -> str:
     """Return "folder of 133 files, 32.1 MB": names of files may be names of patients."""
     if path.is_file():
         return f"one file, {path.stat().st_size / 1e6:.1f} MB"

@@ -4,9 +4,8 @@ import os
 import signal
 import sys
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
-from pathlib import Path
 from typing import Any
 
 import click
@@ -106,6 +105,7 @@ def run(
       tendril run anatomy --set bone_threshold_hu=250
       tendril run --case thorax_phantom --only build_surfaces --force build_surfaces
     """
+    from pipelines.console import prefect_driver, run_one, survive, tell_absent
     from pipelines.running import run_plainly, runnable_cases
     from pipelines.selection import Selection
 
@@ -113,86 +113,16 @@ def run(
     selection = Selection(first, last, only, forced)
     names = runnable_cases(project, pipeline, cases)
     if not cases:
-        _tell_absent(project, pipeline, names)
+        tell_absent(project, pipeline, names)
     if not names:
         raise BadInput("no case to run", "a run needs a case with its inputs", "see `tendril list`")
     with ExitStack() as open_things:
-        driver = run_plainly if no_prefect else _prefect_driver(project, open_things)
+        driver = run_plainly if no_prefect else prefect_driver(project, open_things)
         codes = [
-            _survive(lambda name=name: _run_one(project, name, settings, selection, driver))
+            survive(lambda name=name: run_one(project, name, settings, selection, driver))
             for name in names
         ]
     sys.exit(next(filter(None, codes), 0))
-
-
-def _tell_absent(project: Project, pipeline: str, names: Sequence[str]) -> None:
-    """Say which cases are skipped, since their inputs are elsewhere."""
-    for name in project.cases():
-        if name not in names and (not pipeline or project.case(name).pipeline == pipeline):
-            print(f"{name}: skipped, its inputs are not on this machine")
-
-
-def _survive(work: Callable[[], None]) -> int:
-    """Do the work of one case and return its exit code: one that fails must not stop the others."""
-    try:
-        work()
-    except BadInput as error:
-        print(f"error: {error}", file=sys.stderr, flush=True)
-        return error.exit_code
-    except Exception:
-        traceback.print_exc()
-        print(
-            "failed; what is finished is kept, and the next run goes on from there", file=sys.stderr
-        )
-        return 1
-    return 0
-
-
-def _run_one(
-    project: Project, name: str, settings: Sequence[str], selection: Any, driver: Any
-) -> None:
-    from pipelines.running import run_case
-
-    with ExitStack() as open_things:
-
-        def watch(run: Any, plan: Sequence, stages: Sequence) -> Any:
-            from pipelines.progress import Progress, expected_seconds
-
-            print(f"{name}: {run.job.case.title}", flush=True)
-            expected = expected_seconds(stages, run.history.seconds())
-            return open_things.enter_context(Progress(name, stages, expected)).observe
-
-        done = run_case(project, name, settings, selection, driver=driver, watch=watch)
-    ended = (
-        "nothing to do, all is fresh" if done.folder is None else f"done, {done.computed} computed"
-    )
-    print(f"{name}: {ended}")
-    page = project.root / "reports" / f"{name}.html"
-    if page.exists():
-        print(f"  page  {_near(page)}")
-    print(f"  data  {_near(project.runs / name / 'latest')}")
-
-
-def _prefect_driver(project: Project, open_things: ExitStack) -> Any:
-    """Return a driver that starts Prefect when it is first called, and keeps it for all cases."""
-    address = ""
-
-    def drive(run: Any, stages: Sequence) -> None:
-        nonlocal address
-        if not address:
-            from pipelines.server import prefect_server
-
-            address = open_things.enter_context(prefect_server(project.data))
-        from pipelines.flows import drive as drive_flow
-
-        drive_flow(run, stages)
-
-    return drive
-
-
-def _near(path: Path) -> str:
-    """Return a path as seen from where the person stands."""
-    return os.path.relpath(path)
 
 
 @main.command()
@@ -205,34 +135,21 @@ def status(
     pipeline: str, cases: Sequence[str], settings: Sequence[str], check: bool, verify: bool
 ) -> None:
     """Tell of each stage whether it is fresh, stale and why, or never ran."""
-    from pipelines.engine import FRESH
+    from pipelines.console import survive, tell_absent, tell_status
+    from pipelines.outcomes import FRESH
     from pipelines.running import runnable_cases
 
     project = Project()
     names = runnable_cases(project, pipeline, cases)
     if not cases:
-        _tell_absent(project, pipeline, names)
+        tell_absent(project, pipeline, names)
     states: list[str] = []
     codes = [
-        _survive(lambda name=name: states.extend(_tell_status(project, name, settings, verify)))
+        survive(lambda name=name: states.extend(tell_status(project, name, settings, verify)))
         for name in names
     ]
     stale = check and set(states) != {FRESH}
     sys.exit(next(filter(None, codes), SOMETHING_STALE if stale else 0))
-
-
-def _tell_status(project: Project, name: str, settings: Sequence[str], verify: bool) -> list[str]:
-    from pipelines.engine import Run
-
-    run = Run(project, project.job(name, settings))
-    if verify:
-        run.verify()
-    plan = run.plan()
-    print(f"{name}  ({run.job.case.pipeline})")
-    for planned in plan:
-        why = f"  {'; '.join(planned.reasons)}" if planned.reasons else ""
-        print(f"  {planned.state:9}  {planned.stage.name}{why}")
-    return [planned.state for planned in plan]
 
 
 @main.command("list")
@@ -282,7 +199,7 @@ def new_case(name: str, title: str | None, pipeline: str | None, **inputs: str |
     project = Project()
     given = {dataset: path for dataset, path in inputs.items() if path}
     path = write_case(project, name, given, title or "", pipeline or "")
-    print(f"wrote {_near(path)}\nnext: tendril run --case {name}")
+    print(f"wrote {os.path.relpath(path)}\nnext: tendril run --case {name}")
 
 
 @main.command()
@@ -296,11 +213,11 @@ def report(case: str, show: bool) -> None:
     page = project.root / "reports" / f"{case or 'index'}.html"
     if not page.exists():
         raise BadInput(
-            f"no page {_near(page)}",
+            f"no page {os.path.relpath(page)}",
             "a page is made by a run",
             f"tendril run{f' --case {case}' if case else ''}",
         )
-    print(_near(page))
+    print(os.path.relpath(page))
     if show:
         click.launch(page.as_uri())
 

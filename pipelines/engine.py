@@ -2,9 +2,9 @@
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 from catalog.datasets import find_dataset
@@ -14,33 +14,10 @@ from nodes.errors import BadInput
 from pipelines.account import tell_run
 from pipelines.history import History
 from pipelines.keys import differences, key_of, made_from
+from pipelines.outcomes import CACHED, COMPUTED, FRESH, NEVER_RUN, STALE, WAITING, Outcome, Planned
 from pipelines.project import Job, Project
 from pipelines.selection import Selection, upstream
 from pipelines.stage import ACCOUNT, Stage
-
-FRESH, STALE, NEVER_RUN = "fresh", "stale", "never run"
-COMPUTED, CACHED, WAITING = "computed", "cached", "waiting"
-
-
-@dataclass(frozen=True)
-class Planned:
-    """What a plan says of one stage: its state, why, and the record that serves it if fresh."""
-
-    stage: Stage
-    state: str
-    reasons: tuple[str, ...] = ()
-    record: Record | None = None
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What a run did with one stage: `status` is "computed" or "cached"."""
-
-    stage: Stage
-    status: str
-    reasons: tuple[str, ...]
-    record: Record
-
 
 Observer = Callable[[str, Stage, Outcome | None], None]
 
@@ -223,7 +200,7 @@ class Run:
 
     def _load(self, name: str) -> Any:
         if name == ACCOUNT:
-            return tell_run(self)
+            return tell_run(self.project, self.job, self.hashes, self.outcomes, self.started)
         dataset = find_dataset(self.project.catalog, name)
         if name in self.job.inputs:
             files = read_files(self.job.inputs[name])
@@ -236,6 +213,11 @@ class Run:
         else:
             files = self.project.store.load_object(self.hashes[name])
         return dataset.load_format().decode(files)
+
+    def keep(self, status: str, error: str = "") -> Path:
+        """Note this run in the case's history; return the folder of the note."""
+        outcomes = self.outcomes.values()
+        return self.history.keep(self.job.case, self.started, outcomes, status, error)
 
     def _mend(self, content: str) -> None:
         """Make a damaged artefact again by its own stage; others follow only if it came out new."""

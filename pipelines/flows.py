@@ -16,7 +16,8 @@ from prefect.states import Completed, Failed, State
 
 from catalog.yaml_file import load_mapping
 from nodes.errors import BadInput
-from pipelines.engine import CACHED, Run
+from pipelines.engine import Run
+from pipelines.outcomes import CACHED
 from pipelines.project import Project
 from pipelines.running import run_case, runnable_cases
 from pipelines.stage import Stage

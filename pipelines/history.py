@@ -10,16 +10,15 @@ Numbers and not times give the order: a clock may be wrong.
 import json
 import os
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from catalog.cases import Case
 from catalog.memory import recall
 from catalog.signatures import hash_files
-
-if TYPE_CHECKING:
-    from pipelines.engine import Run
-    from pipelines.project import Project
+from pipelines.outcomes import Outcome
+from pipelines.project import Project
 
 COMPLETE, FAILED, INTERRUPTED = "complete", "failed", "interrupted"
 
@@ -27,7 +26,7 @@ COMPLETE, FAILED, INTERRUPTED = "complete", "failed", "interrupted"
 class History:
     """The runs of one case."""
 
-    def __init__(self, project: "Project", case: str) -> None:
+    def __init__(self, project: Project, case: str) -> None:
         self.project, self.case = project, case
         self.folder = project.runs / case
 
@@ -85,17 +84,18 @@ class History:
             if place.startswith("reports/")
         }
 
-    def keep(self, run: "Run", status: str, error: str = "") -> Path:
+    def keep(
+        self, case: Case, started: str, outcomes: Collection[Outcome], status: str, error: str = ""
+    ) -> Path:
         """Note a run, link its artefacts and publish its pages; return its folder."""
-        outcomes = run.outcomes.values()
         outputs = {k: v for outcome in outcomes for k, v in outcome.record.outputs.items()}
         told = {
             "case": self.case,
-            "title": run.job.case.title,
-            "pipeline": run.job.case.pipeline,
+            "title": case.title,
+            "pipeline": case.pipeline,
             "status": status,
             "error": error,
-            "started": run.started,
+            "started": started,
             "seconds": round(sum(o.record.seconds for o in outcomes if o.status == "computed"), 3),
             "stages": {o.stage.name: o.status for o in outcomes},
             "keys": {o.stage.name: o.record.key for o in outcomes},
@@ -169,7 +169,7 @@ class History:
         return published
 
 
-def publish(project: "Project", path: Path, data: bytes) -> None:
+def publish(project: Project, path: Path, data: bytes) -> None:
     """Put a file in its place by one rename."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with project.store.scratch() as scratch:

@@ -1,20 +1,17 @@
 """The page that lists all cases."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from pipelines.history import History, publish
-
-if TYPE_CHECKING:
-    from pipelines.project import Project
+from pipelines.project import Project
 
 
-def index_path(project: "Project") -> Path:
+def index_path(project: Project) -> Path:
     """Return where the page of all cases stands."""
     return project.root / "reports" / "index.html"
 
 
-def publish_index(project: "Project") -> None:
+def publish_index(project: Project) -> None:
     """Write reports/index.html from what the newest run of every case tells."""
     from nodes.reporting.build_index_page import build_index_page
 
@@ -22,7 +19,7 @@ def publish_index(project: "Project") -> None:
     publish(project, index_path(project), page.html.encode("utf-8"))
 
 
-def _tell_case(project: "Project", name: str):
+def _tell_case(project: Project, name: str):
     from nodes.errors import BadInput
     from nodes.reporting.artefacts import CaseLine
 

@@ -11,8 +11,9 @@ from catalog.datasets import find_dataset
 from catalog.signatures import read_files
 from catalog.validation import unknown
 from nodes.errors import BadInput
-from pipelines.engine import Planned, Run
+from pipelines.engine import Run
 from pipelines.history import History
+from pipelines.outcomes import Planned
 from pipelines.project import Project, find_stage
 from pipelines.running import CaseRun, run_case
 from pipelines.selection import Selection

@@ -8,7 +8,7 @@ from contextlib import AbstractContextManager
 from types import TracebackType
 from typing import Any
 
-from pipelines.engine import Outcome
+from pipelines.outcomes import Outcome
 from pipelines.stage import Stage
 
 # While a stage runs longer than it did last time, its part of the bar stops here.

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from nodes.errors import BadInput
-from pipelines.engine import FRESH, Observer, Planned, Run
+from pipelines.engine import Observer, Run
 from pipelines.history import COMPLETE, FAILED, INTERRUPTED
 from pipelines.index import index_path, publish_index
+from pipelines.outcomes import FRESH, Planned
 from pipelines.project import Project, find_pipeline
 from pipelines.selection import Selection
 from pipelines.stage import Stage
@@ -98,7 +99,7 @@ def _go(run: Run, stages: Sequence[Stage], driver: Driver) -> tuple[int, Path]:
         status = FAILED if isinstance(error, Exception) else INTERRUPTED
         _keep_what_is_done(run, status, type(error).__name__)
         raise
-    folder = run.history.keep(run, COMPLETE)
+    folder = run.keep(COMPLETE)
     run.project.store.signatures.save()
     publish_index(run.project)
     return sum(o.status == "computed" for o in run.outcomes.values()), folder
@@ -107,7 +108,7 @@ def _go(run: Run, stages: Sequence[Stage], driver: Driver) -> tuple[int, Path]:
 def _keep_what_is_done(run: Run, status: str, error: str) -> None:
     """Note a run that did not end; where even that fails, the first error is the one to tell."""
     try:
-        run.history.keep(run, status, error)
+        run.keep(status, error)
         run.project.store.signatures.save()
         publish_index(run.project)
     except (OSError, BadInput):

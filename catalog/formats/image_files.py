@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float, Shaped
 
-from catalog.formats import _dicom_writer, _itk_files
+from catalog.formats import dicom_writer, itk_files
 from nodes.errors import BadInput
 from nodes.imaging.artefacts import ImageFiles, Slice
 
@@ -36,8 +36,8 @@ class ImageFilesFormat:
         Equal values give equal bytes: UIDs come from the content, dates are made up.
         """
         if value.volume is not None:
-            return {"volume.mha": _itk_files.write_volume(value.volume)}
-        return _dicom_writer.write_planes(value.slices, value.simulated)
+            return {"volume.mha": itk_files.write_volume(value.volume)}
+        return dicom_writer.write_planes(value.slices, value.simulated)
 
     @staticmethod
     def decode(files: Mapping[str, bytes]) -> ImageFiles:
@@ -69,7 +69,7 @@ def _silent_pydicom() -> Iterator[None]:
 
 def _decode(files: Mapping[str, bytes]) -> ImageFiles:
     planes = list(_read_planes(files))
-    volumes = [name for name in sorted(files) if _itk_files.is_volume_name(name)]
+    volumes = [name for name in sorted(files) if itk_files.is_volume_name(name)]
     if len(volumes) + bool(planes) > 1:
         raise BadInput(
             f"{len(volumes)} volume files and {len(planes)} DICOM planes",
@@ -77,9 +77,9 @@ def _decode(files: Mapping[str, bytes]) -> ImageFiles:
             "leave only one of them in the folder",
         )
     if volumes:
-        companions = _itk_files.companions(volumes[0], files)
+        companions = itk_files.companions(volumes[0], files)
         skipped = len(files) - len(companions)
-        return ImageFiles((), _itk_files.read_volume(volumes[0], companions), skipped)
+        return ImageFiles((), itk_files.read_volume(volumes[0], companions), skipped)
     if not planes:
         raise _nothing_to_read(len(files))
     return ImageFiles(
@@ -151,7 +151,7 @@ def _is_plane(dataset: "Dataset") -> bool:
 
 
 def _is_simulated(dataset: "Dataset") -> bool:
-    return dataset.get("SeriesDescription", "") == _dicom_writer.SIMULATED
+    return dataset.get("SeriesDescription", "") == dicom_writer.SIMULATED
 
 
 def _slices(planes: list[tuple[int, "Dataset"]], count: int) -> tuple[Slice, ...]:
@@ -185,7 +185,7 @@ def _has_hounsfield_scale(dataset: "Dataset") -> bool:
 
 def _stored_pixels(dataset: "Dataset") -> Shaped[np.ndarray, "rows columns"]:
     """Return the values as stored; no plug-in of pydicom for JPEG is here, so ITK unpacks."""
-    return _itk_files.unpack_pixels(dataset) if _is_compressed(dataset) else dataset.pixel_array
+    return itk_files.unpack_pixels(dataset) if _is_compressed(dataset) else dataset.pixel_array
 
 
 def _rescaled(

@@ -3,8 +3,8 @@
 import colorsys
 from collections.abc import Mapping
 
+from catalog.formats.header_text import from_ascii, origin_from_text, origin_to_text, to_ascii
 from catalog.formats.nrrd_file import read_nrrd, write_nrrd
-from catalog.formats.origin_text import from_ascii, origin_from_text, origin_to_text, to_ascii
 from nodes.geometry.grids import LabelMap
 
 # A turn by the golden ratio keeps the hues of neighbouring labels far apart.

@@ -5,7 +5,7 @@ from io import BytesIO
 
 import numpy as np
 
-from catalog.formats.origin_text import from_ascii, origin_from_text, origin_to_text, to_ascii
+from catalog.formats.header_text import from_ascii, origin_from_text, origin_to_text, to_ascii
 from nodes.geometry.meshes import Mesh, Surfaces
 from nodes.geometry.origin import Origin
 

@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from catalog.formats.origin_text import origin_from_text, origin_to_text
+from catalog.formats.header_text import origin_from_text, origin_to_text
 from nodes.geometry.point_clouds import PointCloud
 
 

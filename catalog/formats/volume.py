@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping
 
+from catalog.formats.header_text import origin_from_text, origin_to_text
 from catalog.formats.nrrd_file import read_nrrd, write_nrrd
-from catalog.formats.origin_text import origin_from_text, origin_to_text
 from nodes.geometry.grids import Volume
 
 

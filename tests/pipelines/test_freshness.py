@@ -419,7 +419,7 @@ def test_a_run_killed_at_any_line_then_rerun_ends_as_if_never_killed(toy: Toy) -
     ("file", "old", "new"),
     [
         ("nodes/toy/sum_up.py", "Add numbers.", "Add all numbers."),
-        ("pipelines/account.py", "title=case.title", "title=case.title.upper()"),
+        ("pipelines/account.py", "title=job.case.title", "title=job.case.title.upper()"),
         ("catalog/cases/one.yml", "Case one", "Case uno"),
         ("pipelines/toy.py", '["total"])', '["total"], name="add")'),
     ],
