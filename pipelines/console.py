@@ -10,6 +10,7 @@ from typing import Any
 
 from nodes.errors import BadInput
 from pipelines.engine import Run
+from pipelines.history import History
 from pipelines.progress import Progress, expected_seconds
 from pipelines.project import Project
 from pipelines.running import Driver, run_case
@@ -55,9 +56,8 @@ def run_one(
         "nothing to do, all is fresh" if done.folder is None else f"done, {done.computed} computed"
     )
     print(f"{name}: {ended}")
-    page = project.root / "reports" / f"{name}.html"
-    if page.exists():
-        print(f"  page  {near(page)}")
+    for page in History(project, name).latest().get("published", {}):
+        print(f"  page  {near(project.root / page)}")
     print(f"  data  {near(project.runs / name / 'latest')}")
 
 
