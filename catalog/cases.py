@@ -45,6 +45,7 @@ def load_case(folder: Path, name: str) -> Case:
     """
     if name not in list_cases(folder):
         raise unknown("case", name, list_cases(folder))
+    check_case_name(name)
     path = folder / f"{name}.yml"
     values = {key: value or {} if key in ("inputs", "parameters") else value
               for key, value in load_mapping(path).items()}  # fmt: skip
@@ -55,10 +56,10 @@ def load_case(folder: Path, name: str) -> Case:
 
 def check_case_name(name: str) -> None:
     """Refuse what can't be a case's name; it becomes part of file names and links."""
-    if not _NAME.fullmatch(name):
+    if not _NAME.fullmatch(name) or name == "index":
         raise BadInput(
             f"case name {name!r}",
-            "1 to 64 letters a-z, digits, - and _, a letter or digit first",
+            "1 to 64 letters a-z, digits, - and _, a letter or digit first, and not `index`",
             "choose a name such as phantom_2 (and never a patient's)",
         )
 

@@ -83,12 +83,23 @@ def _list_files(path: Path) -> Iterator[tuple[str, str]]:
     if path.is_file():
         yield path.name, str(path)
         return
-    for folder, folders, names in os.walk(path, followlinks=True):
+    for folder, folders, names in os.walk(path, onerror=_tell, followlinks=True):
         folders[:] = sorted(f for f in folders if not f.startswith(".") and not _is_loop(folder, f))
         for name in names:
-            if not name.startswith("."):
-                file = os.path.join(folder, name)
+            file = os.path.join(folder, name)
+            if not name.startswith(".") and not _is_no_file(file):
                 yield os.path.relpath(file, path), file
+
+
+def _tell(error: OSError) -> None:
+    """Raise what `os.walk` would pass over: a folder that cannot be read is not an empty one."""
+    if not isinstance(error, FileNotFoundError | NotADirectoryError):
+        raise error
+
+
+def _is_no_file(path: str) -> bool:
+    """Return whether a path is a pipe, a socket or a device, which have no content to hash."""
+    return os.path.exists(path) and not os.path.isfile(path)
 
 
 def _is_loop(folder: str, name: str) -> bool:

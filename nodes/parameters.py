@@ -7,5 +7,5 @@ class Parameters(BaseModel):
     """Parameters of one stage: frozen, closed, and every field explained by the text below it."""
 
     model_config = ConfigDict(
-        frozen=True, extra="forbid", strict=False, use_attribute_docstrings=True
+        frozen=True, extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True
     )

@@ -2,8 +2,7 @@
 
 import shutil
 
-from catalog.memory import recall
-from pipelines.history import History
+from pipelines.history import History, keys_of
 from pipelines.project import Project
 
 
@@ -22,7 +21,7 @@ def clean_store(project: Project, keep: int, *, dry_run: bool = False) -> tuple[
     cases = [path.name for path in project.runs.glob("*") if path.is_dir()]
     old = {run for case in cases for run in History(project, case).forget(max(keep, 1))}
     kept = {run for case in cases for run in History(project, case).runs()} - old
-    keys = {key for run in kept for key in recall(run / "run.json").get("keys", {}).values()}
+    keys = {key for run in kept for key in keys_of(run)}
     dropped, size = project.store.clean(keys, dry_run=dry_run)
     for run in old if not dry_run else ():
         shutil.rmtree(run)

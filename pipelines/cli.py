@@ -175,7 +175,10 @@ class _LazyCommand(click.Command):
             for name, dataset in Project().catalog.items():
                 if dataset.option:
                     option = click.Option(
-                        [dataset.option, name], metavar="DIR|FILE", help=dataset.about
+                        [dataset.option, name],
+                        type=click.Path(),
+                        metavar="DIR|FILE",
+                        help=dataset.about,
                     )
                     self.params.append(option)
             self.params.append(click.Option(["--title"], help="Heading of the case's page."))
@@ -237,7 +240,12 @@ def serve() -> None:
 
 @main.command()
 @click.option(
-    "--keep", default=1, show_default=True, metavar="N", help="Runs to keep of each case."
+    "--keep",
+    type=click.IntRange(min=1),
+    default=1,
+    show_default=True,
+    metavar="N",
+    help="Runs to keep of each case.",
 )
 @click.option("--dry-run", is_flag=True, help="Only tell what would go.")
 def clean(keep: int, dry_run: bool) -> None:
@@ -280,6 +288,11 @@ def entry() -> None:
         _end(error.exit_code, f"error: {error}")
     except (KeyboardInterrupt, click.Abort):
         _end(STOPPED, "stopped; what is finished is kept, and the next run goes on from there")
+    except OSError as error:
+        from pipelines.console import explain_disk
+
+        refusal = explain_disk(error)
+        _end(refusal.exit_code, f"error: {refusal}")
     except Exception:
         traceback.print_exc()
         _end(1, "failed; what is finished is kept, and the next run goes on from there")

@@ -6,15 +6,17 @@ import traceback
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
 
+from catalog.store import StoreFailure
 from nodes.errors import BadInput
-from pipelines.engine import Run
+from pipelines.engine import Observer, Run
 from pipelines.history import History
+from pipelines.outcomes import FRESH, Planned
 from pipelines.progress import Progress, expected_seconds
 from pipelines.project import Project
 from pipelines.running import Driver, run_case
 from pipelines.selection import Selection
+from pipelines.stage import Stage
 
 
 def tell_absent(project: Project, pipeline: str, names: Sequence[str]) -> None:
@@ -31,6 +33,9 @@ def survive(work: Callable[[], None]) -> int:
     except BadInput as error:
         print(f"error: {error}", file=sys.stderr, flush=True)
         return error.exit_code
+    except OSError as error:
+        print(f"error: {explain_disk(error)}", file=sys.stderr, flush=True)
+        return StoreFailure.exit_code
     except Exception:
         traceback.print_exc()
         print(
@@ -40,15 +45,25 @@ def survive(work: Callable[[], None]) -> int:
     return 0
 
 
+def explain_disk(error: OSError) -> StoreFailure:
+    """Return what to tell of a disk that refuses; never the name of a file, which may be a name."""
+    return StoreFailure(
+        f"the disk refused: {error.strerror or type(error).__name__}",
+        "the folders data and reports must be writable and have room",
+        "make room or mend their permissions, and run again",
+    )
+
+
 def run_one(
     project: Project, name: str, settings: Sequence[str], selection: Selection, driver: Driver
 ) -> None:
     """Bring one case up to date and tell what happens."""
     with ExitStack() as open_things:
 
-        def watch(run: Run, plan: Sequence, stages: Sequence) -> Any:
+        def watch(run: Run, plan: Sequence[Planned], stages: Sequence[Stage]) -> Observer:
             print(f"{name}: {run.job.case.title}", flush=True)
             expected = expected_seconds(stages, run.history.seconds())
+            expected |= {p.stage.name: 0.0 for p in plan if p.state == FRESH}
             return open_things.enter_context(Progress(name, stages, expected)).observe
 
         done = run_case(project, name, settings, selection, driver=driver, watch=watch)

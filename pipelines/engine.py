@@ -74,6 +74,8 @@ class Run:
         waits = [p.stage.name for p in plan if p.state != FRESH and p.stage.name in above]
         if waits:
             why = f"{waits[-1]} runs before it"
+            if stage.name in self._forced:
+                why = "asked for with --force"
             return Planned(stage, STALE if last else NEVER_RUN, (why,))
         parts = made_from(self.project, self.job, stage, hashes)
         record = self.project.store.read_record(key_of(parts))
@@ -84,7 +86,7 @@ class Run:
             return Planned(stage, STALE, tuple(missing))
         if record:
             return Planned(stage, STALE, ("asked for with --force",))
-        return Planned(stage, STALE if last else NEVER_RUN, self._why(last, parts))
+        return Planned(stage, STALE if last else NEVER_RUN, self._why(stage, last, parts))
 
     def _missing_outputs(self, record: Record) -> list[str]:
         store = self.project.store
@@ -94,13 +96,13 @@ class Run:
             if not store.is_intact(content)
         ]
 
-    def _why(self, last: str, parts: dict) -> tuple[str, ...]:
+    def _why(self, stage: Stage, last: str, parts: dict) -> tuple[str, ...]:
         if not last:
             return ()
         before = self.project.store.read_record(last)
         if before is None:
             return ("the record of its last run is gone",)
-        return tuple(differences(before.made_from, parts))
+        return tuple(differences(before.made_from, parts, stage.arguments))
 
     def check_selection(self, plan: Sequence[Planned]) -> list[Stage]:
         """Return the stages to go through: the chosen ones, and what they need, from cache.
@@ -159,7 +161,7 @@ class Run:
     def _why_computed(self, stage: Stage, parts: dict) -> tuple[str, ...]:
         """Return what differs from last time; where nothing does, what the plan said."""
         last = self.history.last_key(stage.name)
-        return self._why(last, parts) or (self._reasons.get(stage.name, ()) if last else ())
+        return self._why(stage, last, parts) or (self._reasons.get(stage.name, ()) if last else ())
 
     def _usable(self, key: str) -> Record | None:
         record = self.project.store.read_record(key)
@@ -234,10 +236,17 @@ class Run:
     def _hash_inputs(self) -> dict[str, str]:
         hashes = {}
         for name, path in self.job.inputs.items():
-            content = self.project.store.signatures.hash_path(path)
+            try:
+                content = self.project.store.signatures.hash_path(path)
+            except OSError as error:  # without the file's name, which may be a patient's
+                raise BadInput(
+                    f"input {name} cannot be read: {error.strerror}",
+                    "all of a case's files and folders must be readable",
+                    "mend their permissions",
+                ) from None
             if content is None:
                 raise BadInput(
-                    f"input {name}: nothing at {path}",
+                    f"input {name}: nothing at {path}, or a link in it leads nowhere",
                     "a case's inputs must be files or folders that exist and are not empty",
                     f"mend the path in catalog/cases/{self.job.case.name}.yml",
                 )

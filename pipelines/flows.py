@@ -5,7 +5,6 @@ import signal
 import threading
 import time
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Any
 
 from prefect import flow, serve, task
@@ -14,8 +13,7 @@ from prefect.cache_policies import NO_CACHE
 from prefect.schedules import Cron, Interval
 from prefect.states import Completed, Failed, State
 
-from catalog.yaml_file import load_mapping
-from nodes.errors import BadInput
+from pipelines.deployments import Deployment, Schedule, load_deployments
 from pipelines.engine import Run
 from pipelines.outcomes import CACHED
 from pipelines.project import Project
@@ -122,31 +120,23 @@ def _bring_up_to_date(project: Project, name: str, settings: Sequence[str]) -> b
 def serve_schedules(project: Project) -> None:
     """Serve the deployments of prefect.yaml until stopped."""
     os.environ[_SERVER] = str(os.getpid())
-    entries = load_mapping(project.root / "prefect.yaml")["deployments"]
-    serve(*(_deployment(entry, project.root) for entry in entries))
+    serve(*(_deployment(entry) for entry in load_deployments(project.root / "prefect.yaml")))
 
 
-def _deployment(entry: dict[str, Any], root: Path) -> Any:
-    source, _, name = entry["entrypoint"].rpartition(":")
-    if (root / source).resolve() != Path(__file__).resolve() or name != run_cases.__name__:
-        raise BadInput(
-            f"deployment {entry['name']}: entrypoint {entry['entrypoint']}",
-            "deployments run the flow run_cases of pipelines/flows.py",
-            "write `entrypoint: pipelines/flows.py:run_cases`",
-        )
+def _deployment(entry: Deployment) -> Any:
     return run_cases.to_deployment(
-        entry["name"],
-        description=entry.get("description", ""),
-        parameters=entry.get("parameters", {}),
-        schedules=[_schedule(schedule) for schedule in entry["schedules"]],
-        concurrency_limit=entry.get("concurrency_limit"),
+        entry.name,
+        description=entry.description,
+        parameters=entry.parameters.model_dump(),
+        schedules=[_schedule(schedule) for schedule in entry.schedules],
+        concurrency_limit=entry.concurrency_limit,
     )
 
 
-def _schedule(entry: dict[str, Any]) -> Any:
-    if "cron" in entry:
-        return Cron(entry["cron"], timezone=entry.get("timezone", "UTC"))
-    return Interval(entry["interval"], timezone=entry.get("timezone", "UTC"))
+def _schedule(entry: Schedule) -> Any:
+    if entry.cron:
+        return Cron(entry.cron, timezone=entry.timezone)
+    return Interval(entry.interval, timezone=entry.timezone)
 
 
 # When it is loaded, not when the flow begins: a run that waits for its turn must end, too.

@@ -9,7 +9,6 @@ Numbers and not times give the order: a clock may be wrong.
 
 import json
 import os
-import shutil
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -17,10 +16,22 @@ from typing import Any
 from catalog.cases import Case
 from catalog.memory import recall
 from catalog.signatures import hash_files
+from catalog.store import StoreFailure
 from pipelines.outcomes import Outcome
 from pipelines.project import Project
 
 COMPLETE, FAILED, INTERRUPTED = "complete", "failed", "interrupted"
+
+# What a note must hold to be believed; one that a disk or a person spoilt is passed over.
+_SHAPE = {
+    "status": str,
+    "started": str,
+    "seconds": float,
+    "keys": dict,
+    "outputs": dict,
+    "published": dict,
+    "warnings": list,
+}
 
 
 class History:
@@ -96,7 +107,9 @@ class History:
             "status": status,
             "error": error,
             "started": started,
-            "seconds": round(sum(o.record.seconds for o in outcomes if o.status == "computed"), 3),
+            "seconds": round(
+                0.0 + sum(o.record.seconds for o in outcomes if o.status == "computed"), 3
+            ),
             "stages": {o.stage.name: o.status for o in outcomes},
             "keys": {o.stage.name: o.record.key for o in outcomes},
             "outputs": outputs,
@@ -118,7 +131,8 @@ class History:
 
     def _told(self) -> Iterator[dict[str, Any]]:
         for folder in self.runs():
-            if told := recall(folder / "run.json"):
+            told = recall(folder / "run.json")
+            if all(isinstance(told.get(name), kind) for name, kind in _SHAPE.items()):
                 yield told
 
     def _number(self, made: Path) -> Path:
@@ -164,14 +178,28 @@ class History:
         published = {}
         for name, place in self._places(outputs).items():
             (data,) = self.project.store.load_object(outputs[name]).values()
-            publish(self.project, self.project.root / place, data)
+            publish(self.project.root / place, data)
             published[place] = hash_files({Path(place).name: data})
         return published
 
 
-def publish(project: Project, path: Path, data: bytes) -> None:
+def keys_of(run: Path) -> list[str]:
+    """Return the keys of all that a run made or used, as its folder tells."""
+    keys = recall(run / "run.json").get("keys")
+    return [key for key in keys.values() if isinstance(key, str)] if isinstance(keys, dict) else []
+
+
+def publish(path: Path, data: bytes) -> None:
     """Put a file in its place by one rename."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with project.store.scratch() as scratch:
-        (scratch / path.name).write_bytes(data)
-        shutil.move(scratch / path.name, path)
+    scratch = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        scratch.write_bytes(data)
+        os.replace(scratch, path)
+    except OSError as error:
+        scratch.unlink(missing_ok=True)
+        raise StoreFailure(
+            f"could not write {path.name}: {error.strerror}",
+            f"the folder {path.parent.name} must be writable and have room",
+            "make room or mend its permissions, and run again",
+        ) from error

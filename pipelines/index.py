@@ -1,7 +1,9 @@
 """The page that lists all cases."""
 
+from hashlib import sha256
 from pathlib import Path
 
+from catalog.memory import recall, remember
 from pipelines.history import History, publish
 from pipelines.project import Project
 
@@ -12,11 +14,20 @@ def index_path(project: Project) -> Path:
 
 
 def publish_index(project: Project) -> None:
-    """Write reports/index.html from what the newest run of every case tells."""
+    """Write reports/index.html from what the newest run of every case tells, if that is news."""
+    lines = tuple(_tell_case(project, name) for name in project.cases())
+    memory, signatures = project.store.root / "index.json", project.store.signatures
+    known = recall(memory)
+    told = sha256(repr([lines, project.reader.stamp]).encode()).hexdigest()
+    page = signatures.hash_path(index_path(project))
+    if page and known.get("told") == told and known.get("page") == page:
+        return
     from nodes.reporting.build_index_page import build_index_page
 
-    page = build_index_page(cases=tuple(_tell_case(project, name) for name in project.cases()))
-    publish(project, index_path(project), page.html.encode("utf-8"))
+    publish(index_path(project), build_index_page(cases=lines).html.encode("utf-8"))
+    page = signatures.hash_path(index_path(project), again=True)
+    signatures.save()
+    remember(memory, {"told": told, "page": page})
 
 
 def _tell_case(project: Project, name: str):

@@ -67,13 +67,20 @@ def _versions(project: Project, stage: Stage) -> dict[str, str]:
     return project.versions[packages]
 
 
-def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
-    """Return in words what changed between two results of `made_from`."""
+def differences(
+    before: Mapping[str, Any], now: Mapping[str, Any], datasets: Mapping[str, str]
+) -> list[str]:
+    """Return in words what changed between two results of `made_from`.
+
+    Parameters
+    ----------
+    datasets : argument -> dataset, to name inputs as people know them.
+    """
     reasons = [
         f"parameter {name}: {old} -> {new}"
         for name, old, new in _changes(before["parameters"], now["parameters"])
     ]
-    inputs = [name for name, _, _ in _changes(before["inputs"], now["inputs"])]
+    inputs = [datasets.get(name, name) for name, _, _ in _changes(before["inputs"], now["inputs"])]
     reasons += [f"input {name} changed" for name in inputs if name != ACCOUNT]
     for name, old, new in _changes(before["code"], now["code"]):
         verb = "is new" if old is None else "is gone" if new is None else "was edited"

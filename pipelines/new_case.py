@@ -1,6 +1,6 @@
 """Writing a commented case file for a person's own images."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import yaml
@@ -41,10 +41,17 @@ def write_case(
         )
     absolute = {dataset: _existing(dataset, written) for dataset, written in inputs.items()}
     chosen = pipeline or _find_pipeline(project, set(inputs))
+    wanted = _wanted(project, find_pipeline(chosen))
+    if wanted != set(inputs):
+        raise BadInput(
+            f"inputs {', '.join(sorted(inputs)) or 'none'}",
+            f"pipeline {chosen} takes {', '.join(sorted(wanted)) or 'none'}",
+            "give just these, or leave --pipeline out",
+        )
     head = {"title": title or name, "pipeline": chosen, "inputs": absolute}
     text = _HEAD.format(name=name) + yaml.safe_dump(head, sort_keys=False, allow_unicode=True)
     text += _PARAMETERS + "".join(_defaults(project, s) for s in find_pipeline(chosen))
-    publish(project, path, text.encode("utf-8"))
+    publish(path, text.encode("utf-8"))
     publish_index(project)
     return path
 
@@ -69,7 +76,7 @@ def _find_pipeline(project: Project, given: set[str]) -> str:
     )
 
 
-def _wanted(project: Project, stages: list[Stage]) -> set[str]:
+def _wanted(project: Project, stages: Sequence[Stage]) -> set[str]:
     made = {name for stage in stages for name in stage.outputs}
     return {n for stage in stages for n in stage.inputs if project.catalog[n].is_input} - made
 

@@ -97,7 +97,7 @@ class Progress(AbstractContextManager):
 
     def _refresh(self, task: Any) -> None:
         while not self._stop.wait(0.2):
-            doing = self._now[0] if self._now else "starting"
+            doing = self._now[0] if self._now else "from cache" if self.done else "starting"
             left = f"{self.done}/{self.total} stages, about {self.left_seconds():.0f} s left"
             description = f"{self.case}: {doing}"
             gone = self._seconds_gone()

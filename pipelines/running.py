@@ -7,7 +7,7 @@ from pathlib import Path
 from nodes.errors import BadInput
 from pipelines.engine import Observer, Run
 from pipelines.history import COMPLETE, FAILED, INTERRUPTED
-from pipelines.index import index_path, publish_index
+from pipelines.index import publish_index
 from pipelines.outcomes import FRESH, Planned
 from pipelines.project import Project, find_pipeline
 from pipelines.selection import Selection
@@ -85,7 +85,8 @@ def run_case(
         if not stale and not always:
             driver = run_plainly
             keys = {p.stage.name: p.record.key for p in plan if p.record and p.stage in stages}
-            if run.history.is_current(keys) and index_path(project).exists():
+            if run.history.is_current(keys):
+                publish_index(project)
                 return CaseRun(name, 0, None)
         if watch:
             run.observe = watch(run, plan, stages)

@@ -39,6 +39,12 @@ class Selection:
         return chosen
 
     def _choose(self, stages: Sequence[Stage]) -> set[str]:
+        if self.only and (self.first or self.last):
+            raise BadInput(
+                f"--only {self.only} with --from or --to",
+                "--only stands alone",
+                "leave one of them out",
+            )
         if self.only:
             return {find_stage(stages, self.only).name}
         chosen = {stage.name for stage in stages}

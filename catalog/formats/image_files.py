@@ -20,6 +20,8 @@ from nodes.imaging.artefacts import ImageFiles, Slice
 if TYPE_CHECKING:
     from pydicom import Dataset
 
+# Names that promise DICOM; exports without a suffix are known by their content.
+DICOM_SUFFIXES = (".dcm", ".dicom", ".ima")
 # What a file must hold to be a plane with a place (DICOM PS3.3 C.7.6.2 and C.7.6.3).
 PLANE = ("ImagePositionPatient", "ImageOrientationPatient", "PixelSpacing", "Rows", "Columns")
 # CT, enhanced CT, MR and enhanced MR image storage (DICOM PS3.4 B.5): a whole file has pixels.
@@ -94,6 +96,9 @@ def _read_planes(files: Mapping[str, bytes]) -> Iterator[tuple[int, "Dataset"]]:
     for number, name in enumerate(sorted(files), start=1):
         content = files[name]
         if not _is_dicom(content) or PurePosixPath(name).name.upper() == "DICOMDIR":
+            suffix = PurePosixPath(name).suffix.lower()
+            if suffix in DICOM_SUFFIXES or not (content or suffix):
+                raise _unreadable(number, len(files))  # left out, the anatomy would be cut short
             continue
         try:
             dataset = _read_dataset(content)

@@ -4,8 +4,10 @@ ITK reads from disk only, so bytes go through a scratch folder; it gets no ident
 """
 
 import gzip
+import os
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
@@ -61,7 +63,7 @@ def companions(name: str, files: Mapping[str, bytes]) -> dict[str, bytes]:
             raise BadInput(
                 f"the {path.suffix} header names a data file that is not beside it",
                 "header and data file lie in one folder",
-                "put the data file beside the header, or save the volume as .nrrd or .mha",
+                "name the folder that holds both as the input, or save the volume as .nrrd or .mha",
             )
         found[data_name] = files[beside]
     return found
@@ -166,7 +168,24 @@ def unpack_pixels(dataset: "Dataset") -> Shaped[np.ndarray, "rows columns"]:
     with TemporaryDirectory() as scratch:
         path = Path(scratch) / "plane.dcm"
         bare.save_as(path, enforce_file_format=True)
-        return sitk.GetArrayFromImage(sitk.ReadImage(str(path)))[0]
+        with _decoder_heard(Path(scratch) / "words") as words:
+            pixels = sitk.GetArrayFromImage(sitk.ReadImage(str(path)))[0]
+        if b"Corrupt" in words():
+            raise ValueError("the decoder found damaged pixels")
+        return pixels
+
+
+@contextmanager
+def _decoder_heard(file: Path) -> Iterator[Callable[[], bytes]]:
+    """Take what a C library writes on standard error; that is how it tells of damaged pixels."""
+    kept = os.dup(2)
+    with open(file, "wb") as stream:
+        os.dup2(stream.fileno(), 2)
+    try:
+        yield file.read_bytes
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
 
 
 def _unreadable_volume() -> BadInput:

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from nodes.errors import BadInput
-from nodes.geometry.grids import Volume
+from nodes.geometry.grids import Volume, spacing_mm
 from nodes.geometry.origin import Origin
 from nodes.imaging.artefacts import ImageFiles, Slice
 from nodes.imaging.parameters import ReadVolumeParameters
@@ -33,15 +33,37 @@ def read_volume(image_files: ImageFiles, parameters: ReadVolumeParameters) -> Vo
     stack of equal planes.
     """
     if image_files.volume is not None:
+        _refuse_impossible(image_files.volume, parameters)
         volume = _with_unit(image_files.volume, parameters.modality)
     else:
         volume = _stack_largest_series(image_files.slices, parameters)
+        _refuse_impossible(volume, parameters)
     if image_files.skipped:
         notice = f"{image_files.skipped} files hold no image plane and were skipped"
         volume = replace(volume, origin=volume.origin.with_notice(notice))
     simulated = image_files.simulated or volume.origin.simulated
     volume = replace(volume, origin=replace(volume.origin, simulated=simulated))
     return _clipped(volume, parameters.lowest_hu) if volume.unit == "HU" else volume
+
+
+def _refuse_impossible(volume: Volume, parameters: ReadVolumeParameters) -> None:
+    """Refuse sizes that no scan has, and values that are no numbers."""
+    spacing = spacing_mm(volume.patient_from_index)
+    extent = spacing * volume.voxels.shape
+    low, high = parameters.smallest_spacing_mm, parameters.largest_extent_mm
+    if not (spacing.min() >= low and extent.max() <= high):
+        raise BadInput(
+            f"voxels from {spacing.min():.3g} mm, sides up to {extent.max():.3g} mm",
+            f"edges are {low:g} mm or more and sides {high:g} mm or less",
+            "mend the spacing in the file's header; its unit must be mm",
+        )
+    strange = volume.voxels.size - int(np.count_nonzero(np.isfinite(volume.voxels)))
+    if strange:
+        raise BadInput(
+            f"{strange} voxels are not a number or infinite",
+            "every voxel must have a value",
+            "replace them, for instance by -1024 HU outside the scan",
+        )
 
 
 def _with_unit(volume: Volume, modality: str) -> Volume:

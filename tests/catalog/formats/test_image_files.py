@@ -161,7 +161,19 @@ def test_a_cut_off_file_is_refused_and_not_named(share):
     assert "slice" not in str(caught.value) and "PHANTOM" not in str(caught.value)
 
 
-@pytest.mark.parametrize("files", [{}, {"notes.txt": b"nothing here"}, {"empty.dcm": b""}])
+@pytest.mark.parametrize("name", ["slice_0001.dcm", "slice_0004.dcm", "slice_0002.IMA", "IM0009"])
+@pytest.mark.parametrize("content", [b"", b"cut", b"\0" * 200])
+def test_what_is_named_as_a_slice_but_is_none_is_refused(name, content):
+    """Left out at either end of a series, it would cut the anatomy short without a word."""
+    files = ImageFilesFormat.encode(ImageFiles(planes()))
+    if name == "IM0009" and content:
+        assert ImageFilesFormat.decode({**files, name: content}).skipped == 1
+        return
+    with pytest.raises(BadInput, match="cut off or damaged"):
+        ImageFilesFormat.decode({**files, name: content})
+
+
+@pytest.mark.parametrize("files", [{}, {"notes.txt": b"nothing here"}, {"empty.txt": b""}])
 def test_nothing_to_read_is_refused_with_a_cure(files):
     with pytest.raises(BadInput, match="cure: name the folder"):
         ImageFilesFormat.decode(files)

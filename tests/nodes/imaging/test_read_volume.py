@@ -21,6 +21,8 @@ PARAMETERS = ReadVolumeParameters(
     position_tolerance_mm=0.1,
     orientation_tolerance_deg=0.1,
     tilt_tolerance_deg=0.5,
+    smallest_spacing_mm=0.01,
+    largest_extent_mm=3000,
     lowest_hu=-1024,
 )
 WATER = lambda points: points @ [1.0, 2.0, 4.0]  # noqa: E731 - a field that tells every place apart
@@ -198,3 +200,21 @@ def test_a_real_tilted_head_is_refused_and_the_straight_one_read(test_data):
     assert steps == {round(float(volume.patient_from_index[2, 2]), 3)}
     with pytest.raises(BadInput, match=r"leans by 16.5 deg"):
         read_volume(tilted, PARAMETERS)
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e4])
+def test_sizes_that_no_scan_has_are_refused(scale):
+    volume = Volume(
+        np.full((8, 9, 10), -5, np.int16), np.diag([scale] * 3 + [1]), "HU", Origin("x")
+    )
+    with pytest.raises(BadInput, match="unit must be mm"):
+        read_volume(ImageFiles((), volume), PARAMETERS)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_voxels_that_are_no_numbers_are_refused(value):
+    voxels = np.full((4, 5, 6), -5, np.float32)
+    voxels[1, 2, 3] = value
+    volume = Volume(voxels, np.eye(4), "HU", Origin("x"))
+    with pytest.raises(BadInput, match="1 voxels are not a number"):
+        read_volume(ImageFiles((), volume), PARAMETERS)
