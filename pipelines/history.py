@@ -10,6 +10,7 @@ Numbers and not times give the order: a clock may be wrong.
 import json
 import os
 from collections.abc import Collection, Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -197,7 +198,8 @@ def publish(path: Path, data: bytes) -> None:
         scratch.write_bytes(data)
         os.replace(scratch, path)
     except OSError as error:
-        scratch.unlink(missing_ok=True)
+        with suppress(OSError):
+            scratch.unlink()
         raise StoreFailure(
             f"could not write {path.name}: {error.strerror}",
             f"the folder {path.parent.name} must be writable and have room",

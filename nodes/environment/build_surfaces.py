@@ -8,7 +8,7 @@ from nodes.environment.resampling import resample_mask
 from nodes.environment.smoothing import smooth_surface
 from nodes.errors import BadInput
 from nodes.geometry.frames import transform_points
-from nodes.geometry.grids import LabelMap
+from nodes.geometry.grids import LabelMap, voxel_volume_mm3
 from nodes.geometry.meshes import Mesh, Surfaces
 
 Vertices = Float[np.ndarray, "_ 3"]
@@ -47,6 +47,7 @@ def build_surfaces(label_map: LabelMap, parameters: BuildSurfacesParameters) -> 
             notices.append(f"{name} is empty or smaller than a cell and has no surface")
             continue
         meshes.append((name, mesh))
+        notices += _volume_notice(name, mesh, mask, label_map.patient_from_index, parameters)
         if len(mesh.triangles) > parameters.triangles:
             notices.append(f"the surface of {name} has {len(mesh.triangles)} triangles: with"
                            " fewer it would not be closed")  # fmt: skip
@@ -57,6 +58,29 @@ def build_surfaces(label_map: LabelMap, parameters: BuildSurfacesParameters) -> 
             "correct the segmentation, or set a smaller voxel_size_mm",
         )
     return Surfaces(tuple(meshes), label_map.origin.with_notice(*notices))
+
+
+def _volume_notice(
+    name: str,
+    mesh: Mesh,
+    mask: Bool[np.ndarray, "i j k"],
+    patient_from_index: Float[np.ndarray, "4 4"],
+    parameters: BuildSurfacesParameters,
+) -> list[str]:
+    """Say where a surface encloses clearly more or less than its label has."""
+    label_mm3 = np.count_nonzero(mask) * voxel_volume_mm3(patient_from_index)
+    difference = enclosed_volume_mm3(mesh) / label_mm3 - 1
+    if abs(difference) <= parameters.volume_tolerance:
+        return []
+    much = f"{abs(difference):.0%} {'more' if difference > 0 else 'less'}"
+    cell = f"a cell of {parameters.voxel_size_mm:g} mm"
+    return [f"the surface of {name} encloses {much} than its label, which has parts below {cell}"]
+
+
+def enclosed_volume_mm3(mesh: Mesh) -> float:
+    """Return the volume that a closed outward surface encloses, by the divergence theorem."""
+    a, b, c = mesh.vertices_patient_mm[mesh.triangles].astype(float).transpose(1, 0, 2)
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
 
 
 def _surface(

@@ -23,5 +23,7 @@ class BuildSurfacesParameters(Parameters):
     """Edge of the cubic cells on which surfaces are found, mm."""
     smoothing_steps: Annotated[int, Field(ge=0, le=100)]
     """Passes of Taubin's smoothing, which keeps the volume [Taubin1995]; without unit."""
+    volume_tolerance: Annotated[float, Field(gt=0, le=1)]
+    """Share of a label's volume by which its surface may differ before it is said; no unit."""
     triangles: Annotated[int, Field(ge=100, le=2_000_000)]
     """Triangles that each surface should have at most."""

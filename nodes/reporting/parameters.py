@@ -80,6 +80,9 @@ class ShowTableParameters(Parameters):
     title: str
     """Heading of the section."""
 
+    caption: str
+    """A sentence below the heading; may be empty."""
+
     decimals: Annotated[int, Field(ge=0, le=12)]
     """Digits after the decimal point of numbers that are not whole."""
 

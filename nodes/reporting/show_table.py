@@ -36,7 +36,7 @@ def show_table(table: "pandas.DataFrame", parameters: ShowTableParameters) -> Se
     Parameters
     ----------
     table : columns of numbers or words; a column `volume_ml` is headed "volume" in ml.
-    parameters : title and decimals.
+    parameters : title, caption and decimals.
     """
     columns = [[show_value(value, parameters.decimals) for value in table[name]] for name in table]
     heads = [
@@ -44,7 +44,8 @@ def show_table(table: "pandas.DataFrame", parameters: ShowTableParameters) -> Se
         for (name, unit), column in zip(map(split_unit, table), columns, strict=True)
     ]
     rows = list(zip(*columns, strict=True))
-    return Section(parameters.title, render_template("table.html", {"heads": heads, "rows": rows}))
+    values = {"heads": heads, "rows": rows, "caption": parameters.caption}
+    return Section(parameters.title, render_template("table.html", values))
 
 
 def split_unit(column: object) -> tuple[str, str]:

@@ -34,6 +34,9 @@ def test_help_of_every_command_has_a_summary_and_the_group_names_exit_codes(toy:
         (["run", "--set", "double_numbers.facto=3"], 3, "did you mean double_numbers.factor?"),
         (["run", "--set", "factor"], 3, "key=value"),
         (["run", "--set", "factor=many"], 3, "What each number is multiplied by"),
+        (["run", "--only", "sum_up", "--to", "sum_up"], 3, "stands alone"),
+        (["run", "--only", "sum_up", "--force", "count_up"], 3, "--from count_up"),
+        (["clean", "--keep", "0"], 2, "--keep"),
         (["report", "onee"], 3, "did you mean one?"),
         (["report", "one"], 3, "tendril run --case one"),
     ],
@@ -157,6 +160,8 @@ def test_new_case_writes_a_file_that_runs(toy: Toy, tmp_path) -> None:
         (["../up", "--seed", "data/raw/seed"], "letters a-z"),
         (["three", "--seed", "nowhere"], "must exist"),
         (["three"], "give one of --seed"),
+        (["index", "--seed", "data/raw/seed"], "not `index`"),
+        (["three", "--pipeline", "toy"], "takes seed_file"),
     ],
 )
 def test_new_case_refuses(toy: Toy, words: list[str], told: str) -> None:

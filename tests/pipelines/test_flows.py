@@ -171,6 +171,42 @@ def test_a_server_in_prefect_api_url_is_used(toy: Toy) -> None:
         assert database.execute("select name from flow_run").fetchall() == [("one",)]
 
 
+def test_a_damaged_database_of_prefect_is_put_aside(toy: Toy) -> None:
+    (toy.root / "data/prefect").mkdir(parents=True)
+    (toy.root / "data/prefect/prefect.db").write_bytes(b"no database" * 500)
+    toy.call("run", "--case", "one")
+    assert toy.total() == 20
+    assert (toy.root / "data/prefect/damaged.db").exists()
+    assert database_rows(toy, "select state_name from flow_run") == [("Completed",)]
+
+
+def test_a_server_in_prefect_api_url_that_does_not_answer_is_refused(toy: Toy) -> None:
+    done = subprocess.run(
+        toy.command("run", "--case", "one"),
+        cwd=toy.root, env={**os.environ, "PREFECT_API_URL": "http://127.0.0.1:9/api"},
+        capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == 3
+    assert "unset PREFECT_API_URL" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_ctrl_c_while_the_server_starts_stops_cleanly(toy: Toy) -> None:
+    for delay in (1.0, 2.0, 3.0):
+        run = subprocess.Popen(
+            toy.command("run", "--case", "one"), cwd=toy.root,
+            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        time.sleep(delay)
+        run.send_signal(signal.SIGINT)
+        _, errors = run.communicate(timeout=60)
+        assert run.returncode == 130, errors
+        assert "Traceback" not in errors
+        assert servers_of(toy) == []
+    toy.call("run", "--case", "one")
+    assert toy.total() == 20
+
+
 def test_a_killed_server_takes_its_scheduled_runs_along(toy: Toy) -> None:
     toy.edit("nodes/toy/sum_up.py", "return {", "import time\n    time.sleep(99)\n    return {")
     toy.write(

@@ -459,3 +459,59 @@ def test_a_pipeline_that_does_not_fit_is_refused(toy: Toy, old: str, new: str, t
 def test_source_that_is_no_python_is_told_with_its_line(toy: Toy) -> None:
     toy.edit("nodes/toy/deeper.py", "return a * b", "return a *")
     assert "deeper.py, line 2" in toy.run(code=3)
+
+
+@pytest.mark.parametrize("text", ['{"status": "complete"}', "[]", "{", '{"keys": 3}', ""])
+def test_a_spoilt_note_of_a_run_is_passed_over(toy: Toy, text: str) -> None:
+    toy.run()
+    (toy.latest / "run.json").write_text(text)
+    toy.run()
+    assert toy.told()["status"] == "complete"
+    assert toy.computed() == []
+    toy.call("status", "--check")
+    toy.call("clean")
+
+
+def test_the_page_of_all_cases_is_as_fresh_as_the_cases(toy: Toy) -> None:
+    toy.run()
+    index = toy.root / "reports/index.html"
+    text = index.read_text()
+    index.write_text(text.replace("Case one", "Case ane"))
+    toy.run()
+    assert index.read_text() == text
+    (toy.root / "catalog/cases/two.yml").write_text(
+        (toy.root / "catalog/cases/one.yml").read_text()
+    )
+    toy.run()
+    assert "two" in index.read_text()
+    (toy.root / "catalog/cases/two.yml").unlink()
+    toy.run()
+    assert index.read_text() == text
+
+
+def test_an_input_that_cannot_be_read_is_told_without_its_name(toy: Toy) -> None:
+    printed = toy.python("""
+        import catalog.signatures
+        from pipelines import open_case
+
+        def refuse(file):
+            raise PermissionError(13, "Permission denied", "Doe_Jane.json")
+
+        catalog.signatures._hash_file = refuse
+        try:
+            open_case("one").run()
+        except Exception as error:
+            print(error, error.exit_code)
+        """)
+    assert "input seed_file cannot be read: Permission denied" in printed
+    assert "Doe" not in printed
+    assert printed.strip().endswith("3")
+
+
+def test_a_page_that_cannot_be_written_is_told_as_a_matter_of_the_disk(toy: Toy) -> None:
+    (toy.root / "reports").write_text("in the way")
+    answer = toy.run(code=4)
+    assert "could not write one.html" in answer
+    (toy.root / "reports").unlink()
+    toy.run()
+    assert (toy.root / "reports/one.html").exists()

@@ -7,7 +7,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from nodes.environment.build_surfaces import build_surfaces
+from nodes.environment.build_surfaces import build_surfaces, enclosed_volume_mm3
 from nodes.environment.parameters import BuildSurfacesParameters
 from nodes.errors import BadInput
 from nodes.geometry.grids import LabelMap
@@ -15,7 +15,9 @@ from nodes.geometry.origin import Origin
 
 
 def parameters(size=1.0, steps=5, triangles=2000):
-    return BuildSurfacesParameters(voxel_size_mm=size, smoothing_steps=steps, triangles=triangles)
+    return BuildSurfacesParameters(
+        voxel_size_mm=size, smoothing_steps=steps, triangles=triangles, volume_tolerance=0.03
+    )
 
 
 def label_map(voxels, matrix=None, names=("body", "bone")):
@@ -33,6 +35,17 @@ def two_balls(matrix=None):
     squared = ((index * [1, 1, 2]) ** 2).sum(axis=-1)
     voxels = np.where(squared < 12**2, 2, np.where(squared < 24**2, 1, 0))
     return label_map(voxels, np.diag([1.0, 1.0, 2.0, 1.0]) if matrix is None else matrix)
+
+
+def test_enclosed_volume_is_that_of_trimesh_and_a_surface_that_loses_some_says_so():
+    surfaces = build_surfaces(two_balls(), parameters())
+    for _, mesh in surfaces.meshes:
+        assert enclosed_volume_mm3(mesh) == pytest.approx(as_trimesh(mesh).volume, rel=1e-4)
+    assert not any("encloses" in notice for notice in surfaces.origin.notices)
+    thin = np.zeros((40, 40, 40))
+    thin[5:35, 5:35, 18:20] = 1
+    notices = build_surfaces(label_map(thin), parameters(size=1.5)).origin.notices
+    assert any("the surface of body encloses" in notice for notice in notices)
 
 
 MIRRORED = np.array([[0, 0, 2.0, -30], [0, 1.0, 0, 40], [1.0, 0, 0, 5], [0, 0, 0, 1]])
