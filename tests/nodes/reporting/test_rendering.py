@@ -28,7 +28,7 @@ def test_a_missing_value_is_an_error():
 
 def test_text_is_escaped(hostile):
     head = {"name": hostile, "unit": "", "number": False}
-    html = render_template("table.html", {"heads": [head], "rows": []})
+    html = render_template("table.html", {"heads": [head], "rows": [], "caption": hostile})
     assert "<script" not in html and "&lt;script&gt;" in html
 
 
