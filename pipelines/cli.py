@@ -3,7 +3,6 @@
 import os
 import signal
 import sys
-import traceback
 from collections.abc import Sequence
 from contextlib import ExitStack
 from typing import Any
@@ -278,29 +277,26 @@ def completion(shell: str) -> None:
 
 def entry() -> None:
     """Run the command line with exit codes that scripts can use."""
+    from pipelines.console import survive
+
+    try:
+        sys.exit(survive(_command))
+    except KeyboardInterrupt:
+        message = "stopped; what is finished is kept, and the next run goes on from there"
+        print(message, file=sys.stderr)
+        sys.exit(STOPPED)
+
+
+def _command() -> None:
+    """Run click; what it refuses it shows itself."""
     try:
         code = main.main(standalone_mode=False)
-        sys.exit(code if isinstance(code, int) else 0)
     except click.ClickException as error:
         error.show()
-        sys.exit(error.exit_code)
-    except BadInput as error:
-        _end(error.exit_code, f"error: {error}")
-    except (KeyboardInterrupt, click.Abort):
-        _end(STOPPED, "stopped; what is finished is kept, and the next run goes on from there")
-    except OSError as error:
-        from pipelines.console import explain_disk
-
-        refusal = explain_disk(error)
-        _end(refusal.exit_code, f"error: {refusal}")
-    except Exception:
-        traceback.print_exc()
-        _end(1, "failed; what is finished is kept, and the next run goes on from there")
-
-
-def _end(code: int, message: str) -> None:
-    print(message, file=sys.stderr)
-    sys.exit(code)
+        code = error.exit_code
+    except click.Abort:
+        raise KeyboardInterrupt from None
+    sys.exit(code if isinstance(code, int) else 0)
 
 
 if __name__ == "__main__":

@@ -27,7 +27,7 @@ def tell_absent(project: Project, pipeline: str, names: Sequence[str]) -> None:
 
 
 def survive(work: Callable[[], None]) -> int:
-    """Do the work of one case and return its exit code: one that fails must not stop the others."""
+    """Do some work, tell what goes wrong, and return the exit code that stands for it."""
     try:
         work()
     except BadInput as error:

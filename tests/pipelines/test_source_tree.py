@@ -4,6 +4,7 @@ Small projects are written, one thing in them is edited, and the reach of `nodes
 or must not change.
 """
 
+import ast
 import textwrap
 from pathlib import Path
 
@@ -248,8 +249,8 @@ def test_an_unused_neighbour_does_not_count(sources: Sources, way: str) -> None:
 
 
 @pytest.mark.parametrize("way", WAYS)
-def test_what_is_reached_runs_as_the_test_believes(sources: Sources, way: str) -> None:
-    compile(textwrap.dedent(WAYS[way]), way, "exec")
+def test_every_way_that_the_tests_try_is_python(way: str) -> None:
+    assert ast.parse(textwrap.dedent(WAYS[way])).body
 
 
 @pytest.mark.parametrize(
