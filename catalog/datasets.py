@@ -25,13 +25,17 @@ FORMATS = {
 
 
 class Dataset(BaseModel):
-    """One entry of catalog.yml."""
+    """One entry of catalog.yml.
+
+    An optional input that a case does not bring is what its format makes of no files at all.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     format: Literal[tuple(FORMATS)] | None = None  # type: ignore[valid-type]
     place: str = "store"
     option: str = ""
+    optional: bool = False
     about: str
 
     @property

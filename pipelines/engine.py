@@ -204,7 +204,9 @@ class Run:
         if name == ACCOUNT:
             return tell_run(self.project, self.job, self.hashes, self.outcomes, self.started)
         dataset = find_dataset(self.project.catalog, name)
-        if name in self.job.inputs:
+        if name in self.job.absent:
+            files = {}
+        elif name in self.job.inputs:
             files = read_files(self.job.inputs[name])
             if hash_files(files) != self.hashes[name]:
                 raise BadInput(
@@ -234,7 +236,7 @@ class Run:
                 self.do(stage)
 
     def _hash_inputs(self) -> dict[str, str]:
-        hashes = {}
+        hashes = dict.fromkeys(self.job.absent, hash_files({}))
         for name, path in self.job.inputs.items():
             try:
                 content = self.project.store.signatures.hash_path(path)

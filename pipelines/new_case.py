@@ -9,7 +9,7 @@ from catalog.cases import check_case_name
 from nodes.errors import BadInput
 from pipelines.history import publish
 from pipelines.index import publish_index
-from pipelines.project import Project, find_pipeline
+from pipelines.project import Project, find_pipeline, wanted_inputs
 from pipelines.registry import PIPELINES
 from pipelines.stage import Stage
 
@@ -40,16 +40,19 @@ def write_case(
             f"case {name}", "a case is never overwritten", f"choose another name than {path.name}"
         )
     absolute = {dataset: _existing(dataset, written) for dataset, written in inputs.items()}
-    chosen = pipeline or _find_pipeline(project, set(inputs))
-    wanted = _wanted(project, find_pipeline(chosen))
-    if wanted != set(inputs):
+    chosen = pipeline or _fitting_pipelines(project, inputs)[0]
+    wanted = wanted_inputs(project.catalog, find_pipeline(chosen))
+    if not _fits(wanted, inputs):
+        takes = [f"{name} (optional)" if more else name for name, more in wanted.items()]
         raise BadInput(
             f"inputs {', '.join(sorted(inputs)) or 'none'}",
-            f"pipeline {chosen} takes {', '.join(sorted(wanted)) or 'none'}",
+            f"pipeline {chosen} takes {', '.join(takes) or 'none'}",
             "give just these, or leave --pipeline out",
         )
     head = {"title": title or name, "pipeline": chosen, "inputs": absolute}
-    text = _HEAD.format(name=name) + yaml.safe_dump(head, sort_keys=False, allow_unicode=True)
+    text = _HEAD.format(name=name) + _others(project, inputs, chosen)
+    text += yaml.safe_dump(head, sort_keys=False, allow_unicode=True)
+    text += "".join(_optional(project, n) for n in wanted if n not in inputs)
     text += _PARAMETERS + "".join(_defaults(project, s) for s in find_pipeline(chosen))
     publish(path, text.encode("utf-8"))
     publish_index(project)
@@ -63,22 +66,38 @@ def _existing(dataset: str, written: str) -> str:
     return str(path)
 
 
-def _find_pipeline(project: Project, given: set[str]) -> str:
-    """Return the one pipeline whose inputs are those given."""
-    fitting = [name for name, p in PIPELINES.items() if _wanted(project, p.STAGES) == given]
-    if len(fitting) == 1 and given:
-        return fitting[0]
-    options = ", ".join(d.option for d in project.catalog.values() if d.option)
+def _fitting_pipelines(project: Project, given: Mapping[str, str]) -> list[str]:
+    """Return the pipelines that can do with the inputs given, in the order of the registry."""
+    catalog = project.catalog
+    fitting = [
+        name
+        for name, module in PIPELINES.items()
+        if _fits(wanted_inputs(catalog, module.STAGES), given)
+    ]
+    if fitting and given:
+        return fitting
+    options = ", ".join(d.option for d in catalog.values() if d.option)
     raise BadInput(
         f"inputs {', '.join(sorted(given)) or 'none'}",
-        f"{'several pipelines take' if fitting and given else 'no pipeline takes'} just these",
-        f"give one of {options}" + (f", and --pipeline {' or '.join(fitting)}" if fitting else ""),
+        "no pipeline takes just these",
+        f"give one of {options}",
     )
 
 
-def _wanted(project: Project, stages: Sequence[Stage]) -> set[str]:
-    made = {name for stage in stages for name in stage.outputs}
-    return {n for stage in stages for n in stage.inputs if project.catalog[n].is_input} - made
+def _others(project: Project, given: Mapping[str, str], chosen: str) -> str:
+    names = [name for name in _fitting_pipelines(project, given) if name != chosen]
+    return f"# Pipelines that take these inputs, too: {', '.join(names)}\n" if names else ""
+
+
+def _optional(project: Project, name: str) -> str:
+    """Return a line for an input that may be added, commented out; it ends the list of inputs."""
+    return f"#  {name}: <file or folder>   # {project.catalog[name].about}\n"
+
+
+def _fits(wanted: Mapping[str, bool], given: Mapping[str, str]) -> bool:
+    """Return whether all that is needed is given, and nothing that is unknown."""
+    needed = {name for name, optional in wanted.items() if not optional}
+    return needed <= given.keys() <= wanted.keys()
 
 
 def _defaults(project: Project, stage: Stage) -> str:

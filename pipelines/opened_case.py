@@ -50,6 +50,8 @@ class OpenedCase:
         BadInput : if there is no such dataset, or no run made it yet.
         """
         form = find_dataset(self.project.catalog, dataset).load_format
+        if dataset in self.job.absent:
+            return form().decode({})
         if dataset in self.job.inputs:
             return form().decode(read_files(self.job.inputs[dataset]))
         return form().decode(self.project.store.load_object(self._content(dataset)))

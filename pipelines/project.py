@@ -3,13 +3,14 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel
 
 from catalog.cases import Case, list_cases, load_case, resolve_input
-from catalog.datasets import load_catalog
+from catalog.datasets import Dataset, load_catalog
 from catalog.store import Store
 from catalog.validation import unknown, validate
 from catalog.yaml_file import load_mapping, load_value
@@ -29,6 +30,7 @@ class Job:
     parameters: Mapping[str, BaseModel]
     changed: tuple[ChangedParameter, ...]
     inputs: Mapping[str, Path]
+    absent: tuple[str, ...] = ()  # optional inputs that the case does not bring
 
 
 class Project:
@@ -76,7 +78,10 @@ class Project:
         for stage in written.keys() - {s.name for s in stages}:
             raise unknown(f"stage in pipeline {case.pipeline}:", stage, [s.name for s in stages])
         parameters, changed = self._parameters(stages, written, f"{name}.yml")
-        return Job(case, stages, parameters, changed, self._inputs(case, stages))
+        wanted = wanted_inputs(self.catalog, stages)
+        inputs = self._inputs(case, wanted)
+        absent = tuple(sorted(wanted.keys() - inputs.keys()))
+        return Job(case, stages, parameters, changed, inputs, absent)
 
     def is_ready(self, name: str) -> bool:
         """Return whether all inputs that a case names are on this machine."""
@@ -102,20 +107,36 @@ class Project:
             changed += _differences(stage.name, parameters[stage.name], defaults)
         return parameters, tuple(changed)
 
-    def _inputs(self, case: Case, stages: Sequence[Stage]) -> dict[str, Path]:
-        made = {name for stage in stages for name in stage.outputs}
-        wanted = {n for s in stages for n in s.inputs if self.catalog[n].is_input} - made
-        for name in case.inputs.keys() - wanted:
+    def _inputs(self, case: Case, wanted: Mapping[str, bool]) -> dict[str, Path]:
+        for name in case.inputs.keys() - wanted.keys():
             raise unknown(f"input of pipeline {case.pipeline}:", name, wanted)
-        for name in sorted(wanted - case.inputs.keys()):
-            raise BadInput(
-                f"case {case.name} has no input {name}",
-                f"pipeline {case.pipeline} needs {', '.join(sorted(wanted))}",
-                f"add `{name}: <file or folder>` below `inputs:` in {case.name}.yml",
-            )
-        variables = {"TENDRIL_TEST_DATA": self.root.parent / "shared" / "data"}
+        needed = sorted(name for name, optional in wanted.items() if not optional)
+        for name in needed:
+            if name not in case.inputs:
+                raise BadInput(
+                    f"case {case.name} has no input {name}",
+                    f"pipeline {case.pipeline} needs {', '.join(needed)}",
+                    f"add `{name}: <file or folder>` below `inputs:` in {case.name}.yml",
+                )
+        variables = {
+            "TENDRIL_TEST_DATA": self.root.parent / "shared" / "data",
+            "NILEARN_DATA": _package_folder("nilearn") / "datasets" / "data",
+        }
         raw = self.data / "raw"
         return {name: resolve_input(path, raw, variables) for name, path in case.inputs.items()}
+
+
+def wanted_inputs(catalog: Mapping[str, Dataset], stages: Sequence[Stage]) -> dict[str, bool]:
+    """Return the inputs that a case of these stages may bring, and whether each is optional."""
+    made = {name for stage in stages for name in stage.outputs}
+    names = {name for stage in stages for name in stage.inputs if catalog[name].is_input}
+    return {name: catalog[name].optional for name in sorted(names - made)}
+
+
+def _package_folder(name: str) -> Path:
+    """Return the folder of an installed package without importing it; its data are files there."""
+    spec = find_spec(name)
+    return Path(spec.origin).parent if spec and spec.origin else Path(name)
 
 
 def find_pipeline(name: str) -> tuple[Stage, ...]:

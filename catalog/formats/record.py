@@ -16,5 +16,5 @@ class RecordFormat:
 
     @staticmethod
     def decode(files: Mapping[str, bytes]) -> dict[str, Any]:
-        """Return the record of `encode`."""
-        return json.loads(files["record.json"])
+        """Return the record of `encode`; of no files, the empty one."""
+        return json.loads(files["record.json"]) if files else {}
