@@ -3,6 +3,7 @@
 import shutil
 
 from pipelines.history import History, keys_of
+from pipelines.kernel_cache import drop_old_kernels
 from pipelines.project import Project
 
 
@@ -25,4 +26,6 @@ def clean_store(project: Project, keep: int, *, dry_run: bool = False) -> tuple[
     dropped, size = project.store.clean(keys, dry_run=dry_run)
     for run in old if not dry_run else ():
         shutil.rmtree(run)
+    if not dry_run:
+        drop_old_kernels(project.root)
     return len(old), dropped, size

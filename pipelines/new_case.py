@@ -1,6 +1,6 @@
 """Writing a commented case file for a person's own images."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 import yaml

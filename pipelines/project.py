@@ -16,6 +16,7 @@ from catalog.validation import unknown, validate
 from catalog.yaml_file import load_mapping, load_value
 from nodes.errors import BadInput
 from nodes.reporting.artefacts import ChangedParameter
+from pipelines.kernel_cache import use_kernel_cache
 from pipelines.node_facts import NodeReader
 from pipelines.registry import PIPELINES
 from pipelines.stage import Stage
@@ -38,6 +39,7 @@ class Project:
 
     def __init__(self, root: Path | None = None) -> None:
         self.root = root or Path(__file__).resolve().parent.parent
+        use_kernel_cache(self.root)
         self.data = self.root / "data"
         self.runs = self.data / "runs"
         self.store = Store(self.data / "store")

@@ -6,10 +6,14 @@ from pathlib import Path
 import pytest
 from jaxtyping import install_import_hook
 
-# Before any node is imported: shapes and types of all arguments and results of nodes are checked.
-install_import_hook("nodes", "beartype.beartype")
+from pipelines.kernel_cache import use_kernel_cache
 
 ROOT = Path(__file__).resolve().parent.parent
+# Before any node is imported: shapes and types of all arguments and results of nodes are checked,
+# but of kernels, which take what nodes have checked.
+ROOMS = [path.parent.name for path in (ROOT / "nodes").glob("*/__init__.py")]
+install_import_hook([f"nodes.{room}" for room in ROOMS if room != "kernels"], "beartype.beartype")
+use_kernel_cache(ROOT)
 pytest_plugins = ["tests.browser", "tests.toy"]
 
 

@@ -4,6 +4,7 @@ It is the real catalog, engine and command line around nodes that a test can edi
 """
 
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -11,6 +12,8 @@ import textwrap
 from pathlib import Path
 
 import pytest
+
+from pipelines.kernel_cache import VARIABLE
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -132,7 +135,7 @@ class Toy:
 
     def call(self, *words: str, code: int = 0) -> str:
         """Run `tendril` and return all that it printed; its exit code must be as told."""
-        done = subprocess.run(self.command(*words), cwd=self.root, capture_output=True, text=True)
+        done = self._run(self.command(*words))
         assert done.returncode == code, done.stdout + done.stderr
         return done.stdout + done.stderr
 
@@ -142,9 +145,13 @@ class Toy:
     def python(self, source: str, code: int = 0) -> str:
         """Run Python in the project and return what it printed."""
         words = [sys.executable, "-c", textwrap.dedent(source)]
-        done = subprocess.run(words, cwd=self.root, capture_output=True, text=True)
+        done = self._run(words)
         assert done.returncode == code, done.stdout + done.stderr
         return done.stdout
+
+    def _run(self, words: list[str]) -> subprocess.CompletedProcess:
+        environment = {k: v for k, v in os.environ.items() if k != VARIABLE}  # kernels of its own
+        return subprocess.run(words, cwd=self.root, capture_output=True, text=True, env=environment)
 
     @property
     def latest(self) -> Path:
