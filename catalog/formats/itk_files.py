@@ -1,43 +1,30 @@
-"""What SimpleITK reads and writes: volume files and compressed DICOM pixels.
+"""Volume files, read and written by SimpleITK.
 
-ITK reads from disk only, so bytes go through a scratch folder; it gets no identifier to see.
+ITK reads from disk only, so bytes go through a scratch folder.
 """
 
 import gzip
-import os
 import zlib
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Float, Shaped
+from jaxtyping import Shaped
 
+from catalog.formats.native_words import native_words
+from catalog.formats.volume_headers import check_place, patient_from_index
 from nodes.errors import BadInput
 from nodes.geometry.grids import Volume
 from nodes.geometry.origin import Origin
 
 if TYPE_CHECKING:
     import SimpleITK
-    from pydicom import Dataset
 
 VOLUME_SUFFIXES = (".nii", ".nii.gz", ".nrrd", ".nhdr", ".mha", ".mhd")
 # Headers that keep their pixels in a file beside them, and the key that names it.
 DETACHED = {".mhd": "elementdatafile", ".nhdr": "data file"}
-# All that a decoder of pixels needs to know (DICOM PS3.3 C.7.6.3).
-PIXEL_MODULE = (
-    "SamplesPerPixel",
-    "PhotometricInterpretation",
-    "Rows",
-    "Columns",
-    "BitsAllocated",
-    "BitsStored",
-    "HighBit",
-    "PixelRepresentation",
-    "PixelData",
-)
 
 
 def is_volume_name(name: str) -> bool:
@@ -82,27 +69,37 @@ def read_volume(name: str, contents: Mapping[str, bytes]) -> Volume:
     import SimpleITK as sitk
 
     name = PurePosixPath(name).name
-    try:
-        with TemporaryDirectory() as scratch:
-            for file_name, content in contents.items():
-                (Path(scratch) / file_name).write_bytes(content)
-            image = sitk.ReadImage(str(Path(scratch) / name))
-        _refuse_short_nifti(image, contents[name])
-    except (RuntimeError, EOFError, OSError, zlib.error):
-        raise _unreadable_volume() from None
-    if image.GetDimension() != 3 or image.GetNumberOfComponentsPerPixel() != 1:
+    image = _read_image(name, contents)
+    size = image.GetSize()
+    if len(size) != 3 or image.GetNumberOfComponentsPerPixel() > 1:
         raise BadInput(
-            f"{image.GetDimension()} dimensions, {image.GetNumberOfComponentsPerPixel()} values"
-            " for each voxel",
+            f"a size of {' x '.join(map(str, size))}, with"
+            f" {image.GetNumberOfComponentsPerPixel()} values for each voxel",
             "a volume has 3 dimensions and one value for each voxel",
             "save one grey volume of it in a file of its own",
         )
     return Volume(
         voxels=_narrowed(sitk.GetArrayFromImage(image).transpose(2, 1, 0)),
-        patient_from_index=_patient_from_index(image),
+        patient_from_index=patient_from_index(image),
         unit="intensity",
-        origin=Origin("volume file"),
+        origin=Origin("volume file", notices=check_place(image, contents[name])),
     )
+
+
+def _read_image(name: str, contents: Mapping[str, bytes]) -> "SimpleITK.Image":
+    import SimpleITK as sitk
+
+    try:
+        with TemporaryDirectory() as scratch, native_words():
+            for file_name, content in contents.items():
+                (Path(scratch) / file_name).write_bytes(content)
+            image = sitk.ReadImage(str(Path(scratch) / name))
+        _refuse_short_nifti(image, contents[name])
+        return image
+    except RuntimeError as error:
+        raise (_sheared() if "orthonormal" in str(error) else _unreadable_volume()) from None
+    except (EOFError, OSError, zlib.error):
+        raise _unreadable_volume() from None
 
 
 def _refuse_short_nifti(image: "SimpleITK.Image", content: bytes) -> None:
@@ -127,13 +124,6 @@ def _narrowed(voxels: Shaped[np.ndarray, "i j k"]) -> Shaped[np.ndarray, "i j k"
     return voxels.astype(np.float32)
 
 
-def _patient_from_index(image: "SimpleITK.Image") -> Float[np.ndarray, "4 4"]:
-    matrix = np.eye(4)
-    matrix[:3, :3] = np.reshape(image.GetDirection(), (3, 3)) * image.GetSpacing()
-    matrix[:3, 3] = image.GetOrigin()
-    return matrix
-
-
 def write_volume(volume: Volume) -> bytes:
     """Write a volume as one MetaImage file."""
     import SimpleITK as sitk
@@ -149,48 +139,18 @@ def write_volume(volume: Volume) -> bytes:
         return path.read_bytes()
 
 
-def unpack_pixels(dataset: "Dataset") -> Shaped[np.ndarray, "rows columns"]:
-    """Return the stored values of a compressed DICOM image; raises where ITK cannot unpack it.
-
-    The scratch file holds the pixels and how they are packed, and nothing else of the dataset.
-    """
-    import SimpleITK as sitk
-    from pydicom import Dataset
-    from pydicom.dataset import FileMetaDataset
-    from pydicom.uid import SecondaryCaptureImageStorage
-
-    bare = Dataset()
-    for keyword in PIXEL_MODULE:
-        bare[keyword] = dataset[keyword]
-    bare.SOPClassUID, bare.SOPInstanceUID = SecondaryCaptureImageStorage, "2.25.1"
-    bare.file_meta = FileMetaDataset()
-    bare.file_meta.TransferSyntaxUID = dataset.file_meta.TransferSyntaxUID
-    with TemporaryDirectory() as scratch:
-        path = Path(scratch) / "plane.dcm"
-        bare.save_as(path, enforce_file_format=True)
-        with _decoder_heard(Path(scratch) / "words") as words:
-            pixels = sitk.GetArrayFromImage(sitk.ReadImage(str(path)))[0]
-        if b"Corrupt" in words():
-            raise ValueError("the decoder found damaged pixels")
-        return pixels
-
-
-@contextmanager
-def _decoder_heard(file: Path) -> Iterator[Callable[[], bytes]]:
-    """Take what a C library writes on standard error; that is how it tells of damaged pixels."""
-    kept = os.dup(2)
-    with open(file, "wb") as stream:
-        os.dup2(stream.fileno(), 2)
-    try:
-        yield file.read_bytes
-    finally:
-        os.dup2(kept, 2)
-        os.close(kept)
-
-
 def _unreadable_volume() -> BadInput:
     return BadInput(
         "the volume file is cut off, damaged or of another kind than its name says",
         "the file is a whole NIfTI, NRRD or MetaImage file",
         "export or copy it again",
+    )
+
+
+def _sheared() -> BadInput:
+    return BadInput(
+        "the axes in the volume file's header are missing or not at right angles",
+        "rows, columns and planes of a NIfTI file are at right angles (ITK reads no others)",
+        "resample the volume onto a straight grid, or hand in the DICOM files, which are"
+        " straightened here",
     )

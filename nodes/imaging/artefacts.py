@@ -21,6 +21,10 @@ class Slice:
     series : number of the series within the folder, from 1, in order of first appearance.
     modality : DICOM modality, "CT", "MR", "OT", ...
     unit : "HU" for CT with rescale values, else "intensity".
+    series_key : hash of the series instance UID (see series_key.py); "" where there never was one.
+    kind : what sets the plane apart from others at its place, in words: image type, echo time,
+        b-value, moment; "" where nothing is known.
+    acquisition : number of the acquisition within the series, 0 where none is given.
     """
 
     pixels: Shaped[np.ndarray, "rows columns"]
@@ -28,6 +32,9 @@ class Slice:
     series: int
     modality: str
     unit: str
+    series_key: str = ""
+    kind: str = ""
+    acquisition: int = 0
 
     def __post_init__(self) -> None:
         freeze_arrays(self)
