@@ -21,14 +21,14 @@ def build_case_page(
     ----------
     sections : in the order of the page.
     run_account : what was made, from what, with what.
-    parameters : how hashes are shown.
+    parameters : how many warnings are shown at once, and how hashes are shown.
 
     Returns
     -------
     One HTML document that needs no file and no network.
     """
     scripts = collect_scripts(sections)
-    simulated, warnings = gather_warnings(tuple(section.warnings for section in sections))
+    warnings = gather_warnings(tuple(section.warnings for section in sections))
     inputs = tuple(name for name, _, _ in run_account.inputs)
     pictures = [
         draw_pipeline(run_account.stages, inputs, **layout, name=name)
@@ -38,8 +38,8 @@ def build_case_page(
         "title": run_account.title,
         "account": run_account,
         "sections": sections,
-        "simulated": simulated,
         "warnings": warnings,
+        "first_warnings": parameters.first_warnings,
         "pictures": pictures if run_account.stages else [],
         "scripts": scripts,
         "policy": content_policy(scripts),

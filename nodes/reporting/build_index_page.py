@@ -18,7 +18,7 @@ def build_index_page(*, cases: tuple[CaseLine, ...]) -> Page:
     One HTML document without scripts.
     """
     lines = [
-        {"case": case, "link": safe_link(case.page), "groups": gather_warnings((case.warnings,))}
+        {"case": case, "link": safe_link(case.page), "warnings": gather_warnings((case.warnings,))}
         for case in cases
     ]
     values = {"title": "All cases", "lines": lines, "policy": content_policy(())}

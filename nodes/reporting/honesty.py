@@ -1,9 +1,14 @@
 """What a page must say before it shows anything: simulated parts and notices of the origins."""
 
+from dataclasses import dataclass
+
 from nodes.geometry.origin import Origin
 
 SIMULATED = "simulated: "
 """How the warning about a simulated product begins; the page raises a banner for it."""
+
+ESTIMATED = "estimat"
+"""What every notice of an estimate has in it: estimate, estimated, estimation."""
 
 
 def warnings_of(*origins: Origin) -> tuple[str, ...]:
@@ -13,10 +18,19 @@ def warnings_of(*origins: Origin) -> tuple[str, ...]:
     return tuple(dict.fromkeys(simulated + notices))
 
 
-def gather_warnings(
-    groups: tuple[tuple[str, ...], ...],
-) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return (what is simulated, all other warnings) of several groups, each said once."""
-    said = dict.fromkeys(warning for group in groups for warning in group)
+@dataclass(frozen=True)
+class Warnings:
+    """All warnings of a page by kind, each said once: what is simulated, estimated, all else."""
+
+    simulated: tuple[str, ...]
+    estimated: tuple[str, ...]
+    others: tuple[str, ...]
+
+
+def gather_warnings(groups: tuple[tuple[str, ...], ...]) -> Warnings:
+    """Return the warnings of several groups by kind; an estimate is what calls itself one."""
+    said = dict.fromkeys(warning.strip() for group in groups for warning in group)
     simulated = tuple(text for text in said if text.startswith(SIMULATED))
-    return simulated, tuple(text for text in said if text not in simulated)
+    rest = tuple(text for text in said if text not in simulated)
+    estimated = tuple(text for text in rest if ESTIMATED in text.lower())
+    return Warnings(simulated, estimated, tuple(text for text in rest if text not in estimated))

@@ -8,6 +8,7 @@ from nodes.parameters import Parameters
 
 Share = Annotated[float, Field(ge=0, le=1)]
 LevelAndWidth = tuple[float, Annotated[float, Field(gt=0)]]
+Length = Annotated[float, Field(gt=0)]
 Percent = Annotated[float, Field(ge=0, le=100)]
 
 
@@ -20,11 +21,53 @@ class ShowSurfacesParameters(Parameters):
     caption: str
     """A sentence below the heading; may be empty."""
 
-    translucent: tuple[str, ...]
-    """Names of the surfaces that are shown translucent, since others lie within them."""
+    opacities: dict[str, Share]
+    """Opacity at first of surfaces within which others lie, by name, 0 to 1 (no unit); 0 hides a
+    surface until it is switched on; all others are opaque."""
 
-    translucent_opacity: Share
-    """Opacity of the translucent surfaces at first, 0 to 1 (no unit)."""
+
+class ShowSitesParameters(ShowSurfacesParameters):
+    """Parameters of `show_sites`."""
+
+    ball_radius_mm: Length
+    """Radius of the ball at a named point in mm."""
+
+    arrow_length_mm: Length
+    """Length of the arrow along the +z axis of a named pose in mm."""
+
+    arrow_radius_mm: Length
+    """Radius of that arrow's shaft in mm."""
+
+
+class ShowEntriesParameters(ShowSurfacesParameters):
+    """Parameters of `show_entries`."""
+
+    shown: tuple[str, ...]
+    """Names of the surfaces that are shown with the entries, where they exist."""
+
+    skin: tuple[str, ...]
+    """Names of the surfaces on which the entry area is drawn."""
+
+    skin_reach_mm: Length
+    """Largest distance of a corner of the skin's surface from a voxel of the entry area, in mm."""
+
+    area_opacity: Annotated[float, Field(gt=0, le=1)]
+    """Opacity of the entry area at first, 0 to 1 (no unit)."""
+
+    needle_radius_mm: Length
+    """Radius of the needle drawn from skin to pleura in mm."""
+
+    outside_mm: Annotated[float, Field(ge=0)]
+    """Length of that needle that stands out of the skin in mm, so that it is seen."""
+
+    clearance_limits_mm: tuple[float, float]
+    """Bone clearances in mm at which the scale of colours begins and ends."""
+
+    rows: Annotated[int, Field(ge=1, le=1000)]
+    """Largest number of entries in the table, the first ones (no unit); the view has all."""
+
+    decimals: Annotated[int, Field(ge=0, le=12)]
+    """Digits after the decimal point of numbers in the table."""
 
 
 class ShowVolumeParameters(Parameters):
@@ -84,7 +127,10 @@ class ShowTableParameters(Parameters):
     """A sentence below the heading; may be empty."""
 
     decimals: Annotated[int, Field(ge=0, le=12)]
-    """Digits after the decimal point of numbers that are not whole."""
+    """Digits after the decimal point of numbers that have no unit and are not whole."""
+
+    unit_decimals: Annotated[int, Field(ge=0, le=12)]
+    """Digits after the decimal point of numbers that have a unit and are not whole."""
 
 
 class ShowFramesParameters(Parameters):
@@ -105,6 +151,9 @@ class ShowFramesParameters(Parameters):
 
 class BuildCasePageParameters(Parameters):
     """Parameters of `build_case_page`."""
+
+    first_warnings: Annotated[int, Field(ge=1, le=1000)]
+    """Warnings of one kind that are shown at once; the others open with a click (no unit)."""
 
     hash_characters: Annotated[int, Field(ge=6, le=64)]
     """Characters of a hash that are shown; hovering and copying give all of them."""

@@ -5,7 +5,7 @@ from nodes.reporting.artefacts import Section
 from nodes.reporting.honesty import warnings_of
 from nodes.reporting.parameters import ShowSlicesParameters
 from nodes.reporting.slice_data import prepare_slices
-from nodes.reporting.slice_section import render_slices
+from nodes.reporting.slice_section import SCRIPTS, render_slices
 
 
 def show_slices(volume: Volume, label_map: LabelMap, parameters: ShowSlicesParameters) -> Section:
@@ -19,7 +19,7 @@ def show_slices(volume: Volume, label_map: LabelMap, parameters: ShowSlicesParam
 
     Returns
     -------
-    A section that needs the script "slices".
+    A section that needs the scripts of the slice viewer.
 
     Raises
     ------
@@ -28,4 +28,4 @@ def show_slices(volume: Volume, label_map: LabelMap, parameters: ShowSlicesParam
     data = prepare_slices(volume, label_map, parameters)
     html = render_slices(data, parameters)
     warnings = warnings_of(volume.origin, label_map.origin)
-    return Section(parameters.title, html, warnings, ("slices",))
+    return Section(parameters.title, html, warnings, SCRIPTS)

@@ -5,7 +5,7 @@ from nodes.reporting.artefacts import Section
 from nodes.reporting.honesty import warnings_of
 from nodes.reporting.parameters import ShowVolumeParameters
 from nodes.reporting.slice_data import prepare_volume
-from nodes.reporting.slice_section import render_slices
+from nodes.reporting.slice_section import SCRIPTS, render_slices
 
 
 def show_volume(volume: Volume, parameters: ShowVolumeParameters) -> Section:
@@ -18,7 +18,7 @@ def show_volume(volume: Volume, parameters: ShowVolumeParameters) -> Section:
 
     Returns
     -------
-    A section that needs the script "slices".
+    A section that needs the scripts of the slice viewer.
     """
     html = render_slices(prepare_volume(volume, parameters), parameters)
-    return Section(parameters.title, html, warnings_of(volume.origin), ("slices",))
+    return Section(parameters.title, html, warnings_of(volume.origin), SCRIPTS)

@@ -9,6 +9,7 @@ from nodes.errors import BadInput
 from nodes.geometry.grids import LabelMap, Volume, spacing_mm
 from nodes.reporting.colours import colour_names, words
 from nodes.reporting.embedding import encode_base64
+from nodes.reporting.first_view import choose_first_slices
 from nodes.reporting.mosaics import encode_png, encode_webp, lay_mosaic
 from nodes.reporting.parameters import ShowSlicesParameters, ShowVolumeParameters
 from nodes.reporting.slicing import (
@@ -73,6 +74,7 @@ def prepare_volume(volume: Volume, parameters: ShowVolumeParameters) -> SliceDat
     picture, tiles = lay_mosaic(to_grey(values, scale.knots, scale.greys))
     shown = reduced_transform(patient_from_index, block)
     header = describe_grid(values.shape, shown, tiles) | describe_scale(scale, volume.unit)
+    header |= {"block": list(block), "plain": bool(np.ptp(np.nan_to_num(values)) == 0)}
     grey = encode_base64(encode_webp(picture, parameters.quality))
     return SliceData(header, grey, "", tilt_deg(shown))
 
@@ -93,7 +95,9 @@ def prepare_slices(
     step = 255 // max(1, int(labels.max()), len(label_map.names))
     picture, _ = lay_mosaic(labels * np.uint8(step))
     named = describe_labels(label_map.names, parameters)
-    header = data.header | {"labels": named, "label_step": step}
+    visible = tuple(n for n, label in enumerate(named, start=1) if label["visible"])
+    first = choose_first_slices(labels, visible)
+    header = data.header | {"labels": named, "label_step": step, "at": first}
     return SliceData(header, data.grey, encode_base64(encode_png(picture)), data.tilt_deg)
 
 
@@ -153,6 +157,8 @@ def describe_grid(
         "shape": list(shape),
         "spacing_mm": spacing_mm(patient_from_index).tolist(),
         "patient_from_index": patient_from_index.tolist(),
+        "index_from_patient": np.linalg.inv(patient_from_index).tolist(),
+        "at": [length // 2 for length in shape],
         "tiles": tiles,
         "labels": [],
         "label_step": 1,

@@ -1,96 +1,22 @@
 // 3-D view of a scene in the patient frame (LPS, mm). Scene format and build: see README.md.
 import {
-  BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, FrontSide, Group,
-  HemisphereLight, Mesh, MeshPhongMaterial, PerspectiveCamera, Scene, Sphere, Box3, Vector3,
+  Box3, DirectionalLight, Group, HemisphereLight, PerspectiveCamera, Scene, Sphere, Vector3,
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { BUILDERS, decodeBase64, setOpacity } from "./scene3d.src.js";
 
-const ARRAYS = { uint8: Uint8Array, uint16: Uint16Array, uint32: Uint32Array, float32: Float32Array };
 const VIEWS = {
   // Direction from the middle to the eye; superior and inferior lean a hair towards anterior, so
   // that posterior is up and left stays left.
   A: [0, -1, 0], P: [0, 1, 0], L: [1, 0, 0], R: [-1, 0, 0], S: [0, -1e-4, 1], I: [0, -1e-4, -1],
 };
 const NAMES = { A: "anterior", P: "posterior", L: "left", R: "right", S: "superior", I: "inferior" };
+const SIDES = {
+  A: "the front (anterior)", P: "the back (posterior)", L: "the patient's left",
+  R: "the patient's right", S: "above (superior)", I: "below (inferior)",
+};
 const FIELD_OF_VIEW_DEG = 28;
-
-// ---- decoding ---------------------------------------------------------------------------------
-function decodeBase64(text) {
-  return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
-}
-
-function readArray(buffers, description) {
-  return new ARRAYS[description.type](buffers[description.buffer].buffer);
-}
-
-function readPoints(buffers, description) {
-  const stored = readArray(buffers, description);
-  if (!description.step) return Float32Array.from(stored);
-  return Float32Array.from(stored, (n, at) => (
-    description.origin[at % 3] + n * description.step[at % 3]
-  ));
-}
-
-// ---- objects: one function for each kind --------------------------------------------------------
-const BUILDERS = { mesh: buildMesh };
-
-function buildMesh(object, buffers) {
-  let geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(readPoints(buffers, object.vertices), 3));
-  geometry.setIndex(new BufferAttribute(readArray(buffers, object.triangles), 1));
-  if (object.vertex_colours) {
-    const colours = readArray(buffers, object.vertex_colours);
-    geometry.setAttribute("color", new BufferAttribute(colours, 3, true));
-  }
-  if (object.triangle_colours) {
-    geometry = paintTriangles(geometry, readArray(buffers, object.triangle_colours));
-  }
-  geometry.computeVertexNormals();
-  const material = new MeshPhongMaterial({
-    color: new Color(geometry.hasAttribute("color") ? "#ffffff" : object.colour),
-    vertexColors: geometry.hasAttribute("color"),
-    specular: new Color("#222222"),
-    shininess: 30,
-  });
-  material.onBeforeCompile = glaze;
-  return new Mesh(geometry, material);
-}
-
-function paintTriangles(geometry, colours) {
-  // Colours that belong to triangles need vertices of their own.
-  const loose = geometry.toNonIndexed();
-  const repeated = new Uint8Array(colours.length * 3);
-  for (let n = 0; n < repeated.length; n += 1) {
-    repeated[n] = colours[3 * Math.floor(n / 9) + (n % 3)];
-  }
-  loose.setAttribute("color", new BufferAttribute(repeated, 3, true));
-  return loose;
-}
-
-function glaze(shader) {
-  // A translucent skin is denser where it is seen edge-on, as glass is: its outline stays readable
-  // while the view into its middle is clear.
-  shader.fragmentShader = shader.fragmentShader.replace(
-    "#include <opaque_fragment>",
-    `if (opacity < 1.0) {
-       float facing = abs(dot(normalize(normal), normalize(vViewPosition)));
-       diffuseColor.a *= mix(2.2, 0.6, smoothstep(0.0, 0.7, facing));
-       diffuseColor.a = min(diffuseColor.a, 1.0);
-     }
-     #include <opaque_fragment>`,
-  );
-}
-
-function setOpacity(mesh, opacity) {
-  const { material } = mesh;
-  material.opacity = opacity;
-  material.transparent = opacity < 1;
-  material.depthWrite = opacity >= 1;
-  // The far side of a skin would only veil what lies inside.
-  material.side = opacity < 1 ? FrontSide : DoubleSide;
-  material.needsUpdate = true;
-}
 
 // ---- one viewer -------------------------------------------------------------------------------
 class Viewer {
@@ -111,6 +37,7 @@ class Viewer {
     this.control();
     this.addViews();
     this.addLetters();
+    this.addTags(data);
     this.follow();
     this.resize();
     this.look("A", 0.35);
@@ -133,10 +60,17 @@ class Viewer {
     if (this.box.isEmpty()) this.box.set(new Vector3(-1, -1, -1), new Vector3(1, 1, 1));
     this.sphere = this.box.getBoundingSphere(new Sphere());
     this.sortBySize();
-    const size = this.box.getSize(new Vector3()).toArray().map((mm) => mm.toFixed(0));
-    const [wide, deep, high] = size;
+    this.tellExtent(data);
+  }
+
+  tellExtent(data) {
+    // Of the anatomy alone: marks may stand out of it.
+    const box = new Box3();
+    this.content.children.forEach((item, n) => { if (!data.objects[n].mark) box.expandByObject(item); });
+    if (box.isEmpty()) return;
+    const [wide, deep, high] = box.getSize(new Vector3()).toArray().map((mm) => mm.toFixed(0));
     this.root.querySelector(".extent").textContent =
-      `All together: ${wide} mm wide, ${deep} mm deep, ${high} mm high.`;
+      `All surfaces together: ${wide} mm wide, ${deep} mm deep, ${high} mm high.`;
   }
 
   sortBySize() {
@@ -241,7 +175,7 @@ class Viewer {
 
   addViews() {
     const box = this.root.querySelector(".views");
-    for (const [name, meaning] of Object.entries(NAMES)) {
+    for (const [name, meaning] of Object.entries(SIDES)) {
       box.append(makeButton(name, `from ${meaning}`, () => this.look(name)));
     }
     box.append(makeButton("Reset", "the view at first", () => this.look("A", 0.35)));
@@ -283,6 +217,16 @@ class Viewer {
     });
   }
 
+  addTags(data) {
+    const box = this.root.querySelector(".tags");
+    this.tags = data.objects.flatMap((object, n) => (object.tags ?? []).map(({ text, at }) => {
+      const element = document.createElement("span");
+      element.textContent = text;
+      box.append(element);
+      return { element, item: this.content.children[n], place: new Vector3(...at) };
+    }));
+  }
+
   follow() {
     new ResizeObserver(() => this.resize()).observe(this.stage);
     const dark = window.matchMedia("(prefers-color-scheme: dark)");
@@ -310,17 +254,40 @@ class Viewer {
     this.renderer.setClearColor(getComputedStyle(this.stage).backgroundColor);
     this.renderer.render(this.scene, this.camera);
     this.placeLetters();
+    this.placeTags();
     this.root.dataset.drawn = Number(this.root.dataset.drawn ?? 0) + 1;
   }
 
-  placeLetters() {
+  onScreen(place) {
+    // Where a place of the patient is in the picture, in pixels from its upper left corner.
     const { clientWidth: width, clientHeight: height } = this.stage;
+    const screen = place.clone().project(this.camera);
+    return [((screen.x + 1) / 2) * width, ((1 - screen.y) / 2) * height];
+  }
+
+  placeTags() {
+    // Names of places that lie close together step down until none covers another.
+    const taken = [];
+    for (const { element, item, place } of this.tags) {
+      element.hidden = !item.visible;
+      if (element.hidden) continue;
+      const [x, y] = this.onScreen(place);
+      const wide = 9 * element.textContent.length;
+      const covers = (row) => taken.some((tag) => (
+        Math.abs(tag.row - row) < 15 && x < tag.x + tag.wide && tag.x < x + wide
+      ));
+      let row = y;
+      while (covers(row)) row += 3;
+      taken.push({ x, row, wide });
+      element.style.transform = `translate(${x.toFixed(1)}px, ${row.toFixed(1)}px) translate(8px, -50%)`;
+    }
+  }
+
+  placeLetters() {
     const eye = this.camera.position.clone().sub(this.sphere.center).normalize();
     for (const { element, out, place } of this.letters) {
-      const screen = place.clone().project(this.camera);
+      const [x, y] = this.onScreen(place);
       const facing = out.dot(eye);
-      const x = ((screen.x + 1) / 2) * width;
-      const y = ((1 - screen.y) / 2) * height;
       element.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) translate(-50%, -50%)`;
       // A letter that points at the eye or away from it would lie on the picture's middle.
       element.style.opacity = Math.abs(facing) > 0.93 ? 0 : facing < -0.2 ? 0.45 : 1;

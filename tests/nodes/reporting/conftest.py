@@ -18,6 +18,8 @@ DEFAULTS = Path(__file__).resolve().parents[3] / "catalog" / "parameters"
 HOSTILE = "</script><script>document.title='owned'</script>\"'<b onmouseover=\"x\">&amp;"
 KINDS = {
     "show_surfaces": kinds.ShowSurfacesParameters,
+    "show_sites": kinds.ShowSitesParameters,
+    "show_entries": kinds.ShowEntriesParameters,
     "show_slices": kinds.ShowSlicesParameters,
     "show_volume": kinds.ShowVolumeParameters,
     "show_measures": kinds.ShowTableParameters,

@@ -9,7 +9,7 @@ def test_the_3d_viewer_is_small_enough_for_every_page():
     assert len(read_asset("viewer3d.js").encode()) < 700_000
 
 
-@pytest.mark.parametrize("name", ["viewer3d.js", "slices.js"])
+@pytest.mark.parametrize("name", ["viewer3d.js", "slices.js", "slice_pane.js", "slice_voxels.js"])
 def test_scripts_can_stand_inside_a_page(name):
     code = read_asset(name)
     assert "</script" not in code.lower() and "<!--" not in code

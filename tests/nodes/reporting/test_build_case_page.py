@@ -48,10 +48,25 @@ def test_a_real_case_has_no_banner(build):
     assert "Before you look" not in build(Section("One", ""))
 
 
+def test_many_warnings_fold_but_none_is_lost(build, defaults):
+    count = defaults("build_case_page").first_warnings
+    many = tuple(f"Warning {n}." for n in range(count + 7))
+    html = build(Section("One", "", many))
+    assert all(html.count(text) == 1 for text in many)
+    assert html.index(many[count - 1]) < html.index("7 more") < html.index(many[count])
+    assert "more</summary>" not in build(Section("One", "", many[:count]))
+
+
+def test_estimates_have_a_banner_of_their_own(build):
+    html = build(Section("One", "", ("The skull is estimated.", "Thick slices.")))
+    assert html.index("are estimated") < html.index("The skull") < html.index("Before you look")
+    assert "are estimated" not in build(Section("One", "", ("Thick slices.",)))
+
+
 def test_each_script_is_there_once_and_only_if_needed(build):
     scripts = r"<script>.*?</script>"
     assert not re.findall(scripts, build(Section("One", "")), re.S)
-    twice = build(*[Section("One", "", (), ("slices",))] * 2)
+    twice = build(*[Section("One", "", (), ("slice_voxels",))] * 2)
     assert len(re.findall(scripts, twice, re.S)) == 1
 
 
@@ -102,5 +117,5 @@ def test_texts_of_the_account_stay_text(build, hostile, run_account):
 
 
 def test_pages_are_the_same_whenever_they_are_built(build):
-    section = Section("One", "", (), ("slices",))
+    section = Section("One", "", (), ("slice_voxels",))
     assert build(section) == build(section)

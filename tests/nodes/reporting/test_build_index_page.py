@@ -22,7 +22,12 @@ def test_every_case_is_told_with_status_time_and_link():
 def test_warnings_of_a_case_are_shown_with_what_is_simulated_first():
     warned = CaseLine("a", "A", "p", "complete", "", 1.0, "", ("Thick.", "simulated: a phantom"))
     html = build_index_page(cases=(warned,)).html
-    assert html.index("simulated: a phantom") < html.index("Thick.")
+    assert html.index("simulated: a phantom") < html.index("1 warning<") < html.index("Thick.")
+
+
+def test_no_time_is_told_where_none_was_taken():
+    failed = CaseLine("a", "A", "p", "failed", "2025-01-03", 0.0, "")
+    assert "0 ms" not in build_index_page(cases=(failed,)).html
 
 
 @pytest.mark.parametrize(

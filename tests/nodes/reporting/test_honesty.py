@@ -16,6 +16,13 @@ def test_a_real_scan_without_notices_warns_of_nothing():
     assert warnings_of(Origin("a scan")) == ()
 
 
-def test_a_page_says_each_warning_once_and_parts_what_is_simulated():
-    groups = (("simulated: a", "x"), ("x", "simulated: a", "simulated: b"), ())
-    assert gather_warnings(groups) == (("simulated: a", "simulated: b"), ("x",))
+def test_a_page_says_each_warning_once_and_by_kind():
+    groups = (
+        ("simulated: a", "x", "the skull is an estimate"),
+        ("x ", "simulated: a", "simulated: an estimated b"),
+        ("Estimated from intensities.",),
+    )
+    told = gather_warnings(groups)
+    assert told.simulated == ("simulated: a", "simulated: an estimated b")
+    assert told.estimated == ("the skull is an estimate", "Estimated from intensities.")
+    assert told.others == ("x",)

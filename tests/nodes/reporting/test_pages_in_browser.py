@@ -4,13 +4,17 @@ from dataclasses import replace
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from threading import Thread
 
+import numpy as np
 import pandas
 import pytest
 
 from nodes.geometry.meshes import Surfaces
 from nodes.geometry.origin import Origin
+from nodes.geometry.sites import Sites
 from nodes.reporting.artefacts import CaseLine
 from nodes.reporting.build_index_page import build_index_page
+from nodes.reporting.show_entries import show_entries
+from nodes.reporting.show_sites import show_sites
 from nodes.reporting.show_slices import show_slices
 from nodes.reporting.show_surfaces import show_surfaces
 from nodes.reporting.show_table import show_table
@@ -21,8 +25,15 @@ from nodes.reporting.show_volume import show_volume
 def sections(balls, box_with_ball, defaults):
     """One section of each kind."""
     table = pandas.DataFrame({"label": ["left_lung"], "volume_ml": [268.1], "parts": [1]})
+    sites = Sites(("start",), np.eye(4)[None], ("target",), np.ones((1, 3)))
+    places = [f"{place}_{axis}_mm" for place in ("skin", "pleura") for axis in "xyz"]
+    row = [(1, "right 5", 100.0, 0.0, 0.0, 60.0, 0.0, 0.0, 31.5, 7.2)]
+    columns = ["number", "window", *places, "wall_thickness_mm", "bone_clearance_mm"]
+    entries = pandas.DataFrame(row, columns=columns)
     return (
         show_surfaces(balls, defaults("show_surfaces")),
+        show_sites(balls, sites, defaults("show_sites")),
+        show_entries(balls, box_with_ball[1], entries, defaults("show_entries")),
         show_slices(*box_with_ball, defaults("show_slices")),
         show_volume(box_with_ball[0], defaults("show_volume")),
         show_table(table, defaults("show_measures")),
@@ -39,7 +50,7 @@ def test_case_page_is_quiet_and_fits(show, sections, width, dark):
     page = show(*sections, width=width, dark=dark)
     page.assert_quiet()
     assert overflow(page) <= 0
-    assert page.evaluate("document.querySelectorAll('[data-state=ready]').length") == 3
+    assert page.evaluate("document.querySelectorAll('[data-state=ready]').length") == 5
     paper = page.evaluate("getComputedStyle(document.body).backgroundColor")
     assert (sum(map(int, paper[4:-1].split(","))) < 300) is dark
     shown = page.evaluate("getComputedStyle(document.querySelector('.pipeline.wide')).display")
@@ -126,17 +137,17 @@ def test_hostile_text_stays_text(show, box_with_ball, balls, defaults, hostile, 
     page.assert_quiet()
     assert page.title() == hostile + " · tendril"
     assert page.evaluate("document.querySelectorAll('main b[onmouseover]').length") == 0
-    names = page.evaluate("[...document.querySelectorAll('.part label')].map(x => x.textContent)")
+    names = page.evaluate("[...document.querySelectorAll('.parts label')].map(x => x.textContent)")
     assert names == [hostile, hostile, hostile + "2"]
 
 
 def test_paper_is_white_even_from_a_dark_screen(show, sections):
     page = show(*sections, dark=True)
-    assert page.picture(".viewer3d canvas")[3, 3].max() < 100
+    assert page.picture(".viewer3d canvas >> nth=0")[3, 3].max() < 100
     page.emulate_media(media="print")
     page.wait_for_timeout(200)
-    assert page.picture(".viewer3d canvas")[3, 3].min() > 240
-    assert page.evaluate("getComputedStyle(document.querySelector('.windows')).display") == "none"
+    assert page.picture(".viewer3d canvas >> nth=0")[3, 3].min() > 240
+    assert not page.locator(".windows >> nth=0").is_visible()
 
 
 def test_a_short_hash_is_copied_whole(show, run_account):

@@ -23,12 +23,12 @@ def test_seconds_read_as_people_say_them(seconds, text):
 
 def test_a_missing_value_is_an_error():
     with pytest.raises(UndefinedError):
-        render_template("table.html", {"heads": []})
+        render_template("table.html", {"columns": []})
 
 
 def test_text_is_escaped(hostile):
-    head = {"name": hostile, "unit": "", "number": False}
-    html = render_template("table.html", {"heads": [head], "rows": [], "caption": hostile})
+    column = {"head": hostile, "unit": "", "kind": "", "cells": [hostile], "colours": [""]}
+    html = render_template("table.html", {"columns": [column], "rows": 1, "caption": hostile})
     assert "<script" not in html and "&lt;script&gt;" in html
 
 

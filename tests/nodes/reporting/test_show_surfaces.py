@@ -28,9 +28,16 @@ def test_the_scene_holds_every_surface_as_it_is(balls, defaults):
         assert np.array_equal(indices.reshape(-1, 3), mesh.triangles)
 
 
-def test_only_what_encloses_others_is_translucent(balls, defaults):
-    scene = scene_of(show_surfaces(balls, defaults("show_surfaces", translucent_opacity=0.3)))
+def test_surfaces_have_the_opacity_of_their_name(balls, defaults):
+    opacities = {"body": 0.3, "bone": 0.0}
+    scene = scene_of(show_surfaces(balls, defaults("show_surfaces", opacities=opacities)))
     assert [item["opacity"] for item in scene["objects"]] == [0.3, 1.0, 1.0]
+    assert [item.get("visible", True) for item in scene["objects"]] == [True, True, False]
+
+
+def test_a_lung_inside_a_body_is_seen_by_default(balls, defaults):
+    opacities = defaults("show_surfaces").opacities
+    assert opacities["body"] < opacities["left_lung"] < 1 and "airway" not in opacities
 
 
 def test_the_section_warns_of_what_is_simulated(balls, defaults):

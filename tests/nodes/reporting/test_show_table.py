@@ -3,6 +3,7 @@ from html.parser import HTMLParser
 import pandas
 import pytest
 
+from nodes.reporting.colours import colour_names
 from nodes.reporting.show_table import show_table
 
 
@@ -45,8 +46,9 @@ def test_numbers_stand_right_and_words_left(cells):
 
 
 def test_decimals_are_a_parameter(cells):
-    found = cells(pandas.DataFrame({"dice": [0.98765]}), decimals=3)
-    assert found[-1][2] == "0.988"
+    table = pandas.DataFrame({"dice": [0.98765], "volume_ml": [12.3456]})
+    found = cells(table, decimals=4, unit_decimals=2)
+    assert [text for *_, text in found[-2:]] == ["0.9877", "12.35"]
 
 
 @pytest.mark.parametrize(
@@ -57,6 +59,9 @@ def test_decimals_are_a_parameter(cells):
         ("wall_hu", "wall HU"),
         ("number_of_parts", "number of parts"),
         ("s", "s"),
+        ("volume_error_percent", "volume error %"),
+        ("surface_area_cm2", "surface area cm²"),
+        ("dice", "Dice"),
         (3, "3"),
     ],
 )
@@ -66,8 +71,31 @@ def test_units_come_from_the_column_names(cells, column, head):
 
 def test_what_is_missing_is_a_dash(cells):
     found = cells(pandas.DataFrame({"dice": [float("nan"), 0.5], "word": ["a", None]}))
-    assert [text for tag, _, text in found if tag == "td"] == ["\u2013", "a", "0.5", "\u2013"]
+    assert [text for tag, _, text in found if tag == "td"] == ["\u2013", "a", "0.500", "\u2013"]
     assert found[0][1] == "number"
+
+
+def test_a_place_is_one_cell_as_a_case_takes_it(cells):
+    columns = {"depth_mm": [1.0], "skin_x_mm": [-1.26], "skin_y_mm": [2.0], "skin_z_mm": [30.04]}
+    found = cells(pandas.DataFrame(columns | {"tip_x_mm": [7.0]}))
+    assert [text for *_, text in found[:3]] == ["depth mm", "skin x, y, z in mm", "tip x mm"]
+    assert found[4] == ["td", "place", "[-1.3, 2.0, 30.0]"]
+
+
+def test_a_place_needs_no_name_of_its_own(cells):
+    found = cells(pandas.DataFrame({"site": ["a"], "x_mm": [1.0], "y_mm": [2.0], "z_mm": [3.0]}))
+    assert [text for *_, text in found] == ["site", "place x, y, z in mm", "a", "[1.0, 2.0, 3.0]"]
+
+
+def test_labels_stand_in_words_with_their_colour(defaults):
+    html = show_table(pandas.DataFrame({"label": ["left_lung"]}), defaults("show_measures")).html
+    assert "left lung" in html and "left_lung" not in html
+    assert f"background:{colour_names(('left_lung',))[0]}" in html
+
+
+def test_yes_and_no_are_words(cells):
+    found = cells(pandas.DataFrame({"reached": [True, False]}))
+    assert [text for tag, _, text in found if tag == "td"] == ["yes", "no"]
 
 
 def test_a_table_without_rows_says_so(cells):

@@ -5,15 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from nodes.geometry.sites import Sites
 from nodes.reporting.embedding import add_array, embed_json
-from nodes.reporting.show_surfaces import build_scene, show_surfaces
+from nodes.reporting.scene import build_scene
+from nodes.reporting.show_sites import show_sites
+from nodes.reporting.show_surfaces import show_surfaces
 
 CANVAS = ".viewer3d canvas"
 
 
 @pytest.fixture(scope="module")
 def shared_view(open_shared_page, case_page, balls, defaults):
-    page = open_shared_page(case_page(show_surfaces(balls, defaults("show_surfaces"))))
+    parameters = defaults("show_surfaces", opacities={"body": 0.2})
+    page = open_shared_page(case_page(show_surfaces(balls, parameters)))
     page.wait_until_ready()
     return page
 
@@ -40,6 +44,12 @@ def view(shared_view):
     return shared_view
 
 
+def is_pink(picture):
+    """Return where a picture of whole numbers has the lung's colour: red over green, some blue."""
+    red, green, blue = picture[..., 0], picture[..., 1], picture[..., 2]
+    return (red > green + 40) & (blue > green)
+
+
 def test_3d_canvas_is_not_blank(view):
     picture = view.picture(CANVAS)
     background = picture[3, 3].astype(int)
@@ -61,26 +71,20 @@ def test_hiding_a_part_changes_the_picture_and_showing_it_restores_it(view, part
 
 
 def test_opacity_reveals_what_lies_inside(view):
-    def blue():
+    def pink():
         picture = view.picture(CANVAS).astype(int)
-        return int((picture[..., 2] > picture[..., 0] + 30).sum())
+        return int(is_pink(picture).sum())
 
     opacity = view.locator(".viewer3d .part", has_text="body").locator("input[type=range]")
-    clear = blue()
+    clear = pink()
     opacity.evaluate("e => { e.value = 1; e.dispatchEvent(new Event('input')); }")
     view.settle()
-    assert clear > 2000 and blue() < clear / 10
+    assert clear > 2000 and pink() < clear / 10
 
 
-def side_of(picture, colour):
-    """Return the mean column and row of what has a colour, from the middle of the picture."""
-    picture = picture.astype(int)
-    red, green, blue = picture[..., 0], picture[..., 1], picture[..., 2]
-    if colour == "blue":
-        mask = blue > red + 30
-    else:
-        mask = (red > blue + 25) & (green > blue + 20) & (red > 150)
-    rows, columns = np.nonzero(mask)
+def side_of_lung(picture):
+    """Return the mean column and row of the pink lung, from the middle of the picture."""
+    rows, columns = np.nonzero(is_pink(picture.astype(int)))
     return columns.mean() - picture.shape[1] / 2, rows.mean() - picture.shape[0] / 2
 
 
@@ -89,7 +93,7 @@ def test_views_put_the_patients_left_where_it_belongs(view, name, sign):
     view.locator(".viewer3d .part", has_text="body").locator("input[type=checkbox]").uncheck()
     view.locator(".views button", has_text=name).first.click()
     view.settle()
-    across, _ = side_of(view.picture(CANVAS), "blue")
+    across, _ = side_of_lung(view.picture(CANVAS))
     assert across * sign > 40
     place = {
         key: view.evaluate(
@@ -105,7 +109,7 @@ def test_view_from_the_left_hides_the_right_behind(view):
     view.locator(".viewer3d .part", has_text="body").locator("input[type=checkbox]").uncheck()
     view.locator(".views button", has_text="L").first.click()
     view.settle()
-    across, over = side_of(view.picture(CANVAS), "blue")
+    across, over = side_of_lung(view.picture(CANVAS))
     assert abs(across) < 10 and over < 0  # the lung ball lies above the middle
 
 
@@ -182,3 +186,60 @@ def test_a_kind_that_the_viewer_does_not_know_is_said(show, balls, defaults):
     odd = section.html.replace('"kind":"mesh"', '"kind":"smoke"', 1)
     page = show(replace(section, html=odd))
     assert "kind smoke" in page.locator(".failure").text_content()
+
+
+@pytest.mark.parametrize("side", ["A", "P", "S"])
+def test_a_name_stands_where_its_mark_is_seen(show, balls, defaults, side):
+    points = np.array([[60.0, -120.0, 70.0], [-80.0, 110.0, -60.0]])
+    sites = Sites((), np.zeros((0, 4, 4)), ("one", "other"), points)
+    page = show(show_sites(balls, sites, defaults("show_sites", ball_radius_mm=8.0)))
+    for part in ("body", "left lung", "bone"):
+        page.locator(".part", has_text=part).locator("input[type=checkbox]").uncheck()
+    page.locator(".views button", has_text=side).first.click()
+    page.settle()
+    picture = page.picture(CANVAS).astype(int)
+    rows, columns = np.nonzero(picture[..., 0] > picture[..., 1] + 60)
+    stage = page.locator(".viewer3d .stage").bounding_box()
+    for name in ("one", "other"):
+        tag = page.locator(".tags span", has_text=name).first.bounding_box()
+        x, y = tag["x"] - 8 - stage["x"], tag["y"] + tag["height"] / 2 - stage["y"]
+        near = np.hypot(rows - y, columns - x) < 60
+        assert near.sum() > 100
+        assert columns[near].mean() == pytest.approx(x, abs=4)
+        assert rows[near].mean() == pytest.approx(y, abs=4)
+
+
+def test_names_of_places_close_together_do_not_cover_each_other(show, balls, defaults):
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 0, 1], [1, 0, 1]])
+    sites = Sites((), np.zeros((0, 4, 4)), tuple(f"target_{n}" for n in range(4)), points)
+    page = show(show_sites(balls, sites, defaults("show_sites")))
+    boxes = [page.locator(".tags span").nth(n).bounding_box() for n in range(4)]
+    rows = sorted(box["y"] for box in boxes)
+    assert all(np.diff(rows) > 13) and rows[-1] - rows[0] < 80
+
+
+def test_names_are_hidden_with_their_marks(show, balls, defaults):
+    sites = Sites((), np.zeros((0, 4, 4)), ("target",), np.zeros((1, 3)))
+    page = show(show_sites(balls, sites, defaults("show_sites")))
+    tag = page.locator(".tags span")
+    assert tag.is_visible()
+    page.locator(".part", has_text="points").locator("input[type=checkbox]").uncheck()
+    page.settle()
+    assert not tag.is_visible()
+
+
+def test_the_extent_is_that_of_the_anatomy_and_not_of_marks(show, balls, defaults):
+    sites = Sites((), np.zeros((0, 4, 4)), ("far",), np.array([[900.0, 0, 0]]))
+    page = show(show_sites(balls, sites, defaults("show_sites")))
+    assert "200 mm wide, 200 mm deep, 200 mm high" in page.locator(".extent").text_content()
+
+
+def test_a_mark_inside_an_opaque_organ_shines_through(show, balls, defaults):
+    sites = Sites((), np.zeros((0, 4, 4)), ("target",), np.array([[45.0, 0, 10]]))
+    page = show(show_sites(balls, sites, defaults("show_sites", opacities={}, ball_radius_mm=20)))
+    box = page.locator(".part", has_text="points").locator("input[type=checkbox]")
+    seen = page.picture(CANVAS).astype(int)
+    box.uncheck()
+    page.settle()
+    hidden = page.picture(CANVAS).astype(int)
+    assert (np.abs(seen - hidden).max(axis=2) > 30).sum() > 500

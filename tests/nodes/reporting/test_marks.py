@@ -1,0 +1,66 @@
+"""Marks are held against closed forms by trimesh, which shares no code with them."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nodes.reporting.marks import SIDES, join_meshes, make_arrow, make_ball, make_needle
+
+trimesh = pytest.importorskip("trimesh")
+PRISM = SIDES * np.sin(2 * np.pi / SIDES) / (2 * np.pi)  # polygon's area over its circle's
+
+directions = st.tuples(*[st.floats(-1, 1)] * 3).map(np.array).filter(lambda v: np.dot(v, v) > 0.01)
+
+
+def solid(mesh):
+    """Return the mesh with coincident corners made one, as trimesh's tests of closure need it."""
+    made = trimesh.Trimesh(mesh.vertices_patient_mm, mesh.triangles)
+    made.merge_vertices()
+    made.update_faces(made.nondegenerate_faces())
+    return made
+
+
+@settings(max_examples=25, deadline=None)
+@given(directions)
+def test_a_needle_is_closed_and_has_its_volume_wherever_it_points(direction):
+    start = np.array([10.0, -20.0, 300.0])
+    needle = solid(make_needle(start, start + direction * 40, 1.0))
+    length = 40 * np.linalg.norm(direction)
+    tip = max(length - 2, length / 2)
+    assert needle.is_watertight
+    expected = np.pi * PRISM * (tip + (length - tip) / 3)
+    assert needle.volume == pytest.approx(expected, rel=1e-3)
+
+
+@settings(max_examples=25, deadline=None)
+@given(directions)
+def test_an_arrow_ends_its_length_away_along_its_direction(direction):
+    start = np.array([1.0, 2.0, 3.0])
+    arrow = make_arrow(start, direction, 40.0, 1.2)
+    unit = direction / np.linalg.norm(direction)
+    along = (arrow.vertices_patient_mm - start) @ unit
+    assert along.max() == pytest.approx(40, abs=1e-3) and along.min() == pytest.approx(0, abs=1e-3)
+    tip = arrow.vertices_patient_mm[along.argmax()]
+    assert tip == pytest.approx(start + 40 * unit, abs=1e-3)
+    assert solid(arrow).is_watertight and solid(arrow).volume > 0
+
+
+def test_a_ball_is_closed_outward_and_within_its_radius():
+    ball = solid(make_ball(np.array([5.0, 6.0, 7.0]), 3.0))
+    assert ball.is_watertight and 0.7 < ball.volume / (4 / 3 * np.pi * 27) < 1
+    distances = np.linalg.norm(ball.vertices - [5, 6, 7], axis=1)
+    assert distances == pytest.approx(np.full(len(distances), 3), abs=1e-4)
+
+
+def test_a_needle_of_no_length_is_still_drawn_without_nan():
+    mesh = make_needle(np.zeros(3), np.zeros(3), 1.0)
+    assert np.isfinite(mesh.vertices_patient_mm).all()
+
+
+def test_joined_meshes_keep_their_triangles():
+    balls = [make_ball(np.array([x, 0.0, 0.0]), 2.0) for x in (0.0, 10.0, 20.0)]
+    joined = join_meshes(tuple(balls))
+    assert trimesh.Trimesh(joined.vertices_patient_mm, joined.triangles).volume == pytest.approx(
+        3 * solid(balls[0]).volume, rel=1e-4
+    )
