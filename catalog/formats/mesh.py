@@ -5,7 +5,8 @@ from io import BytesIO
 
 import numpy as np
 
-from catalog.formats.header_text import from_ascii, origin_from_text, origin_to_text, to_ascii
+from catalog.formats.header_text import from_ascii, to_ascii
+from catalog.formats.ply_header import add_comments, read_origin
 from nodes.geometry.meshes import Mesh, Surfaces
 from nodes.geometry.origin import Origin
 
@@ -26,7 +27,7 @@ class MeshFormat:
         """Return the surfaces of `encode`, equal in every field."""
         names = sorted(files, key=lambda name: int(name.partition("_")[0]))
         meshes = tuple((_surface_name(name), _read_ply(files[name])) for name in names)
-        return Surfaces(meshes, _read_origin(files[names[0]]))
+        return Surfaces(meshes, read_origin(files[names[0]]))
 
 
 def _surface_name(file: str) -> str:
@@ -38,12 +39,7 @@ def _write_ply(mesh: Mesh, origin: Origin) -> bytes:
 
     body = trimesh.Trimesh(mesh.vertices_patient_mm, mesh.triangles, process=False)
     content = trimesh.exchange.ply.export_ply(body, encoding="binary", vertex_normal=False)
-    # 3D Slicer reads the axes of a model from this comment; without it it assumes its own.
-    # Readers take the word that ends the header for its end even within a comment.
-    told = origin_to_text(origin).replace("end_header", "end%5Fheader")
-    comments = f"comment SPACE=LPS\ncomment unit mm\ncomment origin {told}\n"
-    first, second, rest = content.split(b"\n", 2)
-    return b"\n".join([first, second, comments.encode("ascii") + rest])
+    return add_comments(content, origin)
 
 
 def _read_ply(content: bytes) -> Mesh:
@@ -54,9 +50,3 @@ def _read_ply(content: bytes) -> Mesh:
         fields["vertices"].astype("float32").reshape(-1, 3),
         np.asarray(fields.get("faces", ())).astype("int32").reshape(-1, 3),  # none: no key
     )
-
-
-def _read_origin(content: bytes) -> Origin:
-    header = content.partition(b"end_header")[0].decode("ascii")
-    lines = [line for line in header.splitlines() if line.startswith("comment origin ")]
-    return origin_from_text(lines[0].removeprefix("comment origin "))

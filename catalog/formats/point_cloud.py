@@ -7,7 +7,8 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from catalog.formats.header_text import origin_from_text, origin_to_text
+from catalog.formats.header_text import origin_from_text, origin_to_text, to_ascii
+from catalog.formats.ply_header import add_comments
 from nodes.geometry.point_clouds import PointCloud
 
 
@@ -34,6 +35,8 @@ class PointCloudFormat:
             if not open3d.t.io.write_point_cloud(str(path), cloud):
                 raise OSError(f"could not write {len(value.labels)} points to the scratch folder")
             content = path.read_bytes()
+        labels = tuple(f"label {n} {to_ascii(name)}" for n, name in enumerate(value.names, start=1))
+        content = add_comments(content, value.origin, labels)
         return {"points.ply": content, "points.json": json.dumps(about, indent=1).encode()}
 
     @staticmethod
