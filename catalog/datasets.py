@@ -17,6 +17,8 @@ FORMATS = {
     "labelmap": "catalog.formats.labelmap:LabelMapFormat",
     "mesh": "catalog.formats.mesh:MeshFormat",
     "point_cloud": "catalog.formats.point_cloud:PointCloudFormat",
+    "label_files": "catalog.formats.label_files:LabelFilesFormat",
+    "sites": "catalog.formats.sites:SitesFormat",
     "table": "catalog.formats.table:TableFormat",
     "record": "catalog.formats.record:RecordFormat",
     "section": "catalog.formats.page:SectionFormat",

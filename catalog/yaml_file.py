@@ -58,6 +58,12 @@ def load_value(text: str) -> Any:
         return text
 
 
+def value_text(value: Any) -> str:
+    """Return a value as a person would write it after `key:`, on one line."""
+    text = yaml.safe_dump(value, default_flow_style=True, width=float("inf"), allow_unicode=True)
+    return text.removesuffix("...\n").strip()
+
+
 def _bad_yaml(path: Path, error: Exception) -> BadInput:
     mark = getattr(error, "problem_mark", None)
     where = f"{path.name}, line {mark.line + 1}" if mark else path.name

@@ -13,7 +13,7 @@ from catalog.cases import Case, list_cases, load_case, resolve_input
 from catalog.datasets import Dataset, load_catalog
 from catalog.store import Store
 from catalog.validation import unknown, validate
-from catalog.yaml_file import load_mapping, load_value
+from catalog.yaml_file import load_mapping, load_value, value_text
 from nodes.errors import BadInput
 from nodes.reporting.artefacts import ChangedParameter
 from pipelines.kernel_cache import use_kernel_cache
@@ -202,9 +202,10 @@ def _add_settings(
 
 def _differences(stage: str, values: BaseModel, defaults: BaseModel) -> list[ChangedParameter]:
     rows = []
+    here, before = (model.model_dump(mode="json") for model in (values, defaults))
     for name, field in type(values).model_fields.items():
-        value, default = getattr(values, name), getattr(defaults, name)
-        if value != default:
+        if getattr(values, name) != getattr(defaults, name):
+            told = (value_text(written[name]) for written in (here, before))
             meaning = " ".join((field.description or "").split())
-            rows.append(ChangedParameter(stage, name, str(value), str(default), meaning))
+            rows.append(ChangedParameter(stage, name, *told, meaning))
     return rows

@@ -1,10 +1,26 @@
-"""Every pipeline by name; a pipeline is a module with a plain list of stages."""
+"""Every pipeline by name; a pipeline is a module with a plain list of stages.
 
-from pipelines import anatomy, endoscopy, mri, thorax_phantom
+Where several take the same images, a new case gets the first.
+"""
+
+from pipelines import (
+    anatomy,
+    collapsed_lung,
+    endoscopy,
+    head_ct,
+    head_mri,
+    label_maps,
+    mri,
+    thorax_phantom,
+)
 
 PIPELINES = {
     "thorax_phantom": thorax_phantom,
     "anatomy": anatomy,
+    "collapsed_lung": collapsed_lung,
+    "head_ct": head_ct,
+    "head_mri": head_mri,
     "mri": mri,
+    "label_maps": label_maps,
     "endoscopy": endoscopy,
 }

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from catalog.yaml_file import load_mapping, load_value
+from catalog.yaml_file import load_mapping, load_value, value_text
 from nodes.errors import BadInput
 
 
@@ -82,3 +82,11 @@ def test_a_missing_file_and_a_folder_are_told(tmp_path: Path) -> None:
 )  # fmt: skip
 def test_a_value_means_what_yaml_says_or_itself(text: str, value: object) -> None:
     assert load_value(text) == value
+
+
+@pytest.mark.parametrize(
+    "value", [1, 1.5, "a b", "", "no", None, True, [1.5, 2], {"a": [1, "x"]}, "é", "1", "x" * 200]
+)
+def test_a_value_written_on_one_line_is_read_as_the_same(value) -> None:
+    assert "\n" not in value_text(value)
+    assert load_value(value_text(value)) == value
