@@ -40,7 +40,7 @@ def read_volume(image_files: ImageFiles, parameters: ReadVolumeParameters) -> Vo
     _refuse_impossible(volume, parameters)
     origin = volume.origin
     if image_files.skipped:
-        notice = f"{image_files.skipped} files hold no image plane and were skipped"
+        notice = f"files without an image plane were skipped: {image_files.skipped}"
         origin = origin.with_notice(notice)
     origin = replace(origin, simulated=image_files.simulated or origin.simulated)
     volume = settle_unit(replace(volume, origin=origin), is_file, parameters)

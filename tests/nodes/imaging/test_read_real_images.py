@@ -118,11 +118,11 @@ def test_an_uneven_trap_can_be_filled_knowingly(test_data):
 IMAGES = {
     "head_ct_phantom/straight_S2020": (
         ("CT", (512, 512, 140), (0.451, 0.451, 1.0), "HU"),
-        ("1 files",),
+        ("files without an image plane were skipped: 1",),
     ),
     "head_ct_phantom/tilted_S3010": (
         ("CT", (512, 612, 58), (0.406, 0.406, 2.397), "HU"),
-        ("1 files", "the stack leaned by 16.5 deg"),
+        ("files without an image plane were skipped: 1", "the stack leaned by 16.5 deg"),
     ),
     "chest_ct/P002": (("CT", (512, 512, 133), (0.604, 0.604, 2.0), "HU"), ()),
     "abdomen_ct/example_ct.nii.gz": (

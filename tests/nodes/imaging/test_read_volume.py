@@ -22,7 +22,7 @@ def test_simulated_is_inherited(simulated):
 
 def test_skipped_files_are_told():
     volume = read_volume(ImageFiles(tuple(stack(range(3))), skipped=2), PARAMETERS)
-    assert volume.origin.notices == ("2 files hold no image plane and were skipped",)
+    assert volume.origin.notices == ("files without an image plane were skipped: 2",)
 
 
 def volume_file(matrix, shape=(6, 7, 8), value=-1000):
