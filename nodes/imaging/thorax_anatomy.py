@@ -1,213 +1,144 @@
 """The thorax that the phantom draws: sizes in mm for a chest 350 mm wide, values in HU.
 
 Sizes and values are round numbers in the range of adults' chest CTs: a drawing, not a measurement.
-Patient axes: +x left, +y posterior,
-+z superior, origin in the middle of the chest.
+Patient axes: +x left, +y posterior, +z superior, origin in the middle of the chest; side 1 is the
+left, -1 the right.
 """
 
-import numpy as np
-from jaxtyping import Float
+from typing import NamedTuple
 
-from nodes.imaging.solids import (
-    Canvas,
-    Distance,
-    Points,
-    Triple,
-    box,
-    ellipsoid,
-    paint,
-    shell,
-    tube,
-)
+import numpy as np
+
+from nodes.imaging.painting import Canvas, paint
+from nodes.imaging.solids import Points, Solid, Triple, box, cut, ellipsoid, join, shell, tube
 
 REFERENCE_WIDTH = 350.0
-NAMES = ("body", "bone", "lungs", "airway", "effusion")
-BODY, BONE, LUNGS, AIRWAY, EFFUSION = 1, 2, 3, 4, 5
+NAMES = ("body", "bone", "left_lung", "right_lung", "airway", "effusion", "adhesion")
+BODY, BONE, LEFT_LUNG, RIGHT_LUNG, AIRWAY, EFFUSION, ADHESION = 1, 2, 3, 4, 5, 6, 7
+LEFT, RIGHT = 1, -1
 
 AIR, FAT, MUSCLE, SOFT, BLOOD = -1000.0, -100.0, 55.0, 35.0, 45.0
-LIVER, CARTILAGE, CORTEX, MARROW, SPINAL_CANAL = 60.0, 95.0, 800.0, 260.0, 25.0
-FLUID, AERATED_LUNG, TABLE = 8.0, -850.0, -100.0
+LIVER, SPLEEN, WATER, TABLE = 60.0, 50.0, 5.0, -100.0
 
-# Half axes of nested ellipsoids about the origin: skin, muscles, scapulae, ribs, pleura.
-SKIN, MUSCLES = (175.0, 122.0, 430.0), (162.0, 112.0, 420.0)
+# Half axes of nested ellipsoids about the origin.
+SKIN, MUSCLES, FAT_SHEET = (175.0, 122.0, 430.0), (162.0, 112.0, 420.0), (150.5, 103.5, 250.0)
 SCAPULAE, RIBS, PLEURA = (155.0, 107.0, 260.0), (144.0, 97.0, 240.0), (134.0, 88.0, 225.0)
 LOWEST, HIGHEST = -150.0, 150.0  # of the image
 
-VERTEBRAL_PERIOD, VERTEBRAL_HEIGHT, VERTEBRAL_Y, CANAL_Y = 25.0, 20.0, 62.0, 86.0
-CARINA, HILUM = (0.0, 12.0, 40.0), (40.0, 12.0, 18.0)  # hilum of the left lung
-RIB_RADIUS, RIB_CORTEX, RIB_PAIRS = 5.5, 1.6, 10
+VERTEBRAL_Y, CANAL_Y = 62.0, 86.0
+# Largest change of each number of `Build` at full variation.
+RANGES = (0.1, 4.0, 0.3, 4.0, 0.12, 7.0, 8.0, 8.0, 0.3, 0.06, 4.0)
 
 
-def paint_trunk(canvas: Canvas) -> None:
-    """Skin and fat, muscles, and the organs below the diaphragm."""
-    points = canvas.points
-    paint(canvas, box(points, (0, 134, 0), (220, 10, 500)), TABLE, 0)
-    paint(canvas, ellipsoid(points, (0, 0, 0), SKIN), FAT, BODY)
-    paint(canvas, ellipsoid(points, (0, 0, 0), MUSCLES), MUSCLE, BODY)
-    inside = ellipsoid(points, (0, 0, 0), PLEURA)
-    paint(canvas, np.maximum(inside, ellipsoid(points, *_dome(-1))), LIVER, BODY)
-    paint(canvas, np.maximum(inside, ellipsoid(points, *_dome(1))), SOFT, BODY)
-    paint(canvas, ellipsoid(points, (62, -25, -125), (28, 22, 16)), AIR, BODY)
+class Build(NamedTuple):
+    """What differs from one person to the next, beside size; the values are the average build."""
+
+    depth: float = 1.0  # of the chest, against its width
+    sway_mm: float = 0.0  # of the spine to the left above and to the right below
+    kyphosis: float = 0.6  # how far the spine follows the chest's curve: 0 straight, 1 all
+    fat_mm: float = 0.0  # under the skin, more than 13 at the side
+    heart: float = 1.0  # size
+    heart_left_mm: float = 0.0  # shift
+    right_dome_mm: float = 0.0  # height
+    left_dome_mm: float = 0.0
+    rib_slope: float = 1.0
+    lung: float = 1.0  # breadth
+    apex_mm: float = 0.0  # height
 
 
-def _dome(side: int) -> tuple[Triple, Triple]:
-    """Centre and half axes of the diaphragm's dome, the right one higher (liver)."""
-    return (66.0 * side, 0.0, -158.0 - 6 * side), (78.0, 100.0, 92.0 - 6 * side)
+def draw_build(variation: float, seed: int) -> Build:
+    """Draw a build: each number at most its range times `variation` from the average."""
+    chance = np.random.default_rng([seed, 1])  # apart from the noise's
+    changes = chance.uniform(-1, 1, len(RANGES)) * RANGES * variation
+    return Build(*(float(value + change) for value, change in zip(Build(), changes, strict=True)))
 
 
-def pleural_cavity(points: Points, side: int) -> Distance:
-    """Distance to one pleural cavity, right for side -1, left for 1, mm."""
-    solids = [
-        ellipsoid(points, (0, 0, 0), PLEURA),
-        ellipsoid(points, (58.0 * side, 12, -25), (88, 118, 158)),
-        -ellipsoid(points, *_dome(side)),
-        -ellipsoid(points, (0, 5, 0), (27, 160, 400)),
-        -ellipsoid(points, (0, VERTEBRAL_Y + 8, 0), (28, 38, 900)),
-        -ellipsoid(points, (0, -10, 25), (38, 55, 70)),
-        -heart(points),
-        box(points, (100.0 * side, 0, 0), (100, 300, 128)),
+def bend(points: Points, build: Build) -> Points:
+    """Map points of this person to the average chest that the solids are given in."""
+    x, y, z = points
+    sway = np.float32(build.sway_mm) * np.sin(z / np.float32(75))
+    return x - sway, y / np.float32(build.depth), z
+
+
+def paint_trunk(canvas: Canvas, build: Build) -> None:
+    """Table, skin and fat, muscles, the organs below the diaphragm, and fat between the lungs."""
+    paint(canvas, [box((0, 134 / build.depth, 0), (220, 10 / build.depth, 500))], TABLE, 0)
+    paint(canvas, [ellipsoid((0, 0, 0), SKIN)], FAT, BODY)
+    muscles = (MUSCLES[0] - build.fat_mm, MUSCLES[1] - build.fat_mm, MUSCLES[2])
+    paint(canvas, [ellipsoid((0, 0, 0), muscles)], MUSCLE, BODY)
+    paint(canvas, [shell(ellipsoid((0, 0, 0), FAT_SHEET), 1.2)], FAT, BODY)
+    inside = ellipsoid((0, 0, 0), PLEURA)
+    paint(canvas, [cut([inside, ellipsoid((0, 0, -20), (95, 100, 160))])], FAT, BODY)
+    paint(canvas, [cut([inside, dome(RIGHT, build)])], LIVER, BODY)
+    paint(canvas, [cut([inside, dome(LEFT, build)])], SPLEEN, BODY)
+    stomach = (62.0, -25.0, -128.0 + build.left_dome_mm)
+    paint(canvas, [ellipsoid(stomach, (32, 26, 20))], SOFT, BODY)
+    paint(canvas, [ellipsoid(stomach, (28, 22, 16))], AIR, BODY)
+
+
+def dome(side: int, build: Build) -> Solid:
+    """One half of the diaphragm, the right one higher (liver)."""
+    height = 92.0 + (build.left_dome_mm - 6 if side == LEFT else build.right_dome_mm + 6)
+    return ellipsoid((66.0 * side, 0.0, -158.0), (78.0, 100.0, height))
+
+
+def spine_shift(z: np.ndarray, build: Build) -> np.ndarray:
+    """How far the spine lies behind its place at the middle of the chest, mm: never."""
+    bow = RIBS[1] * (np.sqrt(np.clip(1 - (z / np.float32(RIBS[2])) ** 2, 0, 1)) - 1)
+    return (np.float32(build.kyphosis) * bow).astype(np.float32)
+
+
+def along_spine(solid: Solid, build: Build) -> Solid:
+    """A solid bent with the spine."""
+
+    def distance(points: Points) -> np.ndarray:
+        x, y, z = points
+        return solid.distance((x, y - spine_shift(z, build), z))
+
+    return Solid(distance, (solid.low[0], solid.low[1] - RIBS[1], solid.low[2]), solid.high)
+
+
+def heart(build: Build) -> Solid:
+    """The heart; its tip points left, forward and down."""
+    left = _heart_part((28, -28, -45), (48, 42, 52), build)
+    return join([left, _heart_part((-2, -18, -30), (42, 40, 50), build)])
+
+
+def _heart_part(centre: Triple, radii: Triple, build: Build) -> Solid:
+    x, y, z = centre
+    return ellipsoid(
+        (x + build.heart_left_mm, y, z),
+        (radii[0] * build.heart, radii[1] * build.heart, radii[2] * build.heart),
+    )
+
+
+def great_vessels() -> list[Solid]:
+    """Aorta, pulmonary trunk and arteries, and the upper caval vein."""
+    aorta = [(8, -22, -5), (-6, -26, 40), (2, -10, 72), (16, 18, 76), (23, 42, 58), (22, 46, -150)]
+    trunk = [(22, -36, 0), (16, -22, 26), (0, -4, 28)]
+    return [
+        *tube(np.array(aorta, float), 12.5),
+        *tube(np.array(trunk, float), 13.0),
+        *tube(np.array([(-34, 0, 22), (2, -8, 28), (34, 6, 30)], float), 10.0),
+        *tube(np.array([(-24, -22, 130), (-24, -20, 20)], float), 8.5),
     ]
-    return np.maximum.reduce(solids)
 
 
-def collapsed_lung(points: Points, side: int, share: float) -> Distance:
-    """Distance to a lung that leaves `share` of its cavity free, mm.
-
-    The lung is the cavity drawn towards its front at the hilum by the factor (1 - share)^(1/3), so
-    its volume is 1 - share of the cavity's.
-    """
-    factor = np.float32((1 - share) ** (1 / 3))
-    hold = (50.0 * side, -65.0, 25.0)
-    x, y, z = (
-        (p - np.float32(h)) / factor + np.float32(h) for p, h in zip(points, hold, strict=True)
-    )
-    return factor * pleural_cavity((x, y, z), side)
+def mediastinum(build: Build) -> list[Solid]:
+    """All between the lungs that keeps them apart: they lie beside it."""
+    column = ellipsoid((0, VERTEBRAL_Y + 8, 0), (28, 38, 900))
+    return [
+        heart(build),
+        *great_vessels(),
+        ellipsoid((0, 8, 40), (27, 52, 300)),  # trachea, gullet, and the fat around them
+        ellipsoid((0, 0, 0), (7, 160, 400)),  # where the lungs nearly touch in front
+        along_spine(column, build),
+    ]
 
 
-def heart(points: Points) -> Distance:
-    """Distance to the heart, mm; its tip points left, forward and down."""
-    left = ellipsoid(points, (28, -28, -45), (48, 42, 52))
-    return np.minimum(left, ellipsoid(points, (-2, -18, -30), (42, 40, 50)))
-
-
-def paint_mediastinum(canvas: Canvas) -> None:
-    """Heart, aorta, and the airway down to the hila."""
-    paint(canvas, heart(canvas.points), BLOOD, BODY)
-    aorta = np.array([(10, -15, 0), (-2, -20, 50), (5, 0, 78), (22, 30, 70), (25, 45, 50),
-                      (22, 48, -150)], float)  # fmt: skip
-    distance, part = tube(canvas.points, aorta, 13.0, 2 * canvas.blend_mm)
-    paint(canvas, distance, BLOOD, BODY, part)
-
-
-def paint_airway(canvas: Canvas) -> None:
-    """Trachea and main bronchi: walls, then the air in them."""
-    trachea = np.array([(0, -2, 200), CARINA], float)
-    bronchi = [np.array([CARINA, (side * HILUM[0], *HILUM[1:])], float) for side in (-1, 1)]
-    courses = [(trachea, 8.5), (bronchi[0], 6.5), (bronchi[1], 6.0)]
-    for wall_mm, hu, label in ((1.8, SOFT, BODY), (0.0, AIR, AIRWAY)):
-        for course, radius in courses:
-            distance, part = tube(canvas.points, course, radius + wall_mm, 2 * canvas.blend_mm)
-            paint(canvas, distance, hu, label, part)
-
-
-def paint_vessels(canvas: Canvas, side: int, chance: np.random.Generator) -> None:
-    """Vessels that branch from the hilum outwards, as far as there is lung; they count as lung."""
-    root = np.array([side * HILUM[0], *HILUM[1:]])
-    for _ in range(12):
-        stem = chance.normal(size=3) * (1, 1, 1.3)
-        stem = stem / np.linalg.norm(stem) * 38
-        stem[0] = side * abs(stem[0])
-        for radius, start, step in _branches(root, stem, chance):
-            course = np.stack([start, start + step])
-            distance, part = tube(canvas.points, course, radius, 2 * canvas.blend_mm)
-            outside = np.where(canvas.labels[part] == LUNGS, np.float32(-1e3), np.float32(1e3))
-            paint(canvas, np.maximum(distance, outside), BLOOD, LUNGS, part)
-
-
-def _branches(
-    root: Float[np.ndarray, "3"], stem: Float[np.ndarray, "3"], chance: np.random.Generator
-) -> list[tuple[float, Float[np.ndarray, "3"], Float[np.ndarray, "3"]]]:
-    """Return radius, start and step of a stem and the branches of its three generations."""
-    branches, tips = [(2.8, root, stem)], [(root + stem, stem)]
-    for radius in (1.8, 1.2):
-        grown = []
-        for tip, step in tips:
-            for _ in range(2):
-                turn = 0.85 * step + chance.normal(size=3) * 14
-                branches.append((radius, tip, turn))
-                grown.append((tip + turn, turn))
-        tips = grown
-    return branches
-
-
-def paint_spine(canvas: Canvas) -> None:
-    """Vertebral bodies with discs between them, arches, and spinous processes."""
-    x, y, z = canvas.points
-    period = np.float32(VERTEBRAL_PERIOD)
-    z = np.mod(z + period / 2, period) - period / 2  # every vertebra is the one at the origin
-    body = ellipsoid((x, y, 0 * z), (0, VERTEBRAL_Y, 0), (17, 14, 1))
-    body = np.maximum(body, abs(z) - np.float32(VERTEBRAL_HEIGHT / 2))
-    canal = ellipsoid((x, y, 0 * z), (0, CANAL_Y, 0), (9.5, 8.5, 1))
-    ring = ellipsoid((x, y, 0 * z), (0, CANAL_Y, 0), (15, 13, 1))
-    arch = np.maximum(ring, abs(z + 2) - np.float32(8))
-    spinous = box((x, y, z), (0, 102, -3), (3, 9, 5))
-    transverse = box((x, y, z), (0, 87, 1), (30, 4.5, 5))
-    bone = np.minimum(np.minimum(body, arch), np.minimum(spinous, transverse))
-    _paint_bone(canvas, np.maximum(bone, -canal), 1.6)
-
-
-def paint_ribs(canvas: Canvas) -> None:
-    """Ribs, and the cartilage by which the upper seven reach the sternum."""
-    for number in range(RIB_PAIRS):
-        for side in (-1, 1):
-            bone, cartilage = _rib(number, side)
-            reach = 2 * canvas.blend_mm
-            if number < 7:
-                distance, part = tube(canvas.points, cartilage, RIB_RADIUS - 0.5, reach)
-                paint(canvas, distance, CARTILAGE, BODY, part)
-            distance, part = tube(canvas.points, bone, RIB_RADIUS, reach)
-            paint(canvas, distance, CORTEX, BONE, part)
-            paint(canvas, distance + np.float32(RIB_CORTEX), MARROW, BONE, part)
-
-
-def _rib(number: int, side: int) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "m 3"]]:
-    """Return the courses of one rib's bone and cartilage, on the ribs' ellipsoid.
-
-    The angle runs from the spine (0) round to the sternum (pi); the rib falls while it runs, and
-    its cartilage rises again to the sternum.
-    """
-    back = 150.0 - VERTEBRAL_PERIOD * number
-    front = back - 35.0 - 5.0 * number
-    attachment = max(front, 100.0 - 17.0 * number)
-    angle = np.linspace(0.2, 0.76 * np.pi, 20)
-    height = back + (front - back) * np.linspace(0, 1, 20) ** 0.8
-    tail = np.linspace(0.76 * np.pi, 0.955 * np.pi, 8)
-    rise = np.linspace(front, attachment, 8)
-    return _on_cage(angle, height, side), _on_cage(tail, rise, side)
-
-
-def _on_cage(
-    angle: Float[np.ndarray, " n"], height: Float[np.ndarray, " n"], side: int
-) -> Float[np.ndarray, "n 3"]:
-    width = np.sqrt(1 - (height / RIBS[2]) ** 2)
-    x, y = side * RIBS[0] * width * np.sin(angle), RIBS[1] * width * np.cos(angle)
-    return np.stack([x, y, height], axis=1)
-
-
-def paint_plates(canvas: Canvas) -> None:
-    """Sternum and scapulae, as parts of sheets around the chest."""
-    points = canvas.points
-    sternum = np.maximum(
-        shell(ellipsoid(points, (0, 0, 0), RIBS), 5),
-        box(points, (0, -100, 45), (17, 40, 75)),
-    )
-    _paint_bone(canvas, sternum, 1.5)
-    sheet = shell(ellipsoid(points, (0, 0, 0), SCAPULAE), 3.5)
-    for side in (-1, 1):
-        blade = ellipsoid(points, (100.0 * side, 78, 85), (48, 60, 62))
-        _paint_bone(canvas, np.maximum(sheet, blade), 1.5)
-
-
-def _paint_bone(canvas: Canvas, distance: Distance, cortex_mm: float) -> None:
-    paint(canvas, distance, CORTEX, BONE)
-    paint(canvas, distance + np.float32(cortex_mm), MARROW, BONE)
+def paint_mediastinum(canvas: Canvas, build: Build) -> None:
+    """Heart, great vessels and gullet, in the fat that `paint_trunk` left."""
+    paint(canvas, [heart(build)], BLOOD, BODY)
+    paint(canvas, great_vessels(), BLOOD, BODY)
+    gullet = np.array([(3, 26, 150), (3, 26, 40), (10, 30, -150)], float)
+    paint(canvas, tube(gullet, 7.0, 1.0), SOFT, BODY)
