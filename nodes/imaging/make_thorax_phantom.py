@@ -38,7 +38,8 @@ def make_thorax_phantom(
     image_files : one CT series, simulated, its slices in shuffled order as files often are.
     truth : "body" (all tissue that is nothing else), "bone", "left_lung", "right_lung" (with
         vessels and small bronchi), "airway" (air in trachea, main and lobar bronchi, down to a
-        width of 8 mm in a healthy lung), "effusion", "adhesion"; exact at voxel centres.
+        width of 8 mm in a healthy lung, and as far as it hangs together on this grid),
+        "effusion", "adhesion"; exact at voxel centres.
 
     Raises
     ------
@@ -115,7 +116,10 @@ def _paint_thorax(canvas: Canvas, parameters: MakeThoraxPhantomParameters) -> No
         lung, cavity = lungs.lung(ill, build, collapse), lungs.pleural_cavity(ill, build)
         chance = np.random.default_rng([parameters.seed, 4])
         paint_adhesions(canvas, lung, cavity, parameters.adhesions, ill, chance)
-    for label in (anatomy.LEFT_LUNG, anatomy.RIGHT_LUNG):  # walls that bronchi have cut off
+    for side, label in ((1, anatomy.LEFT_LUNG), (-1, anatomy.RIGHT_LUNG)):
+        here = side * canvas.axes[0].reshape(-1, 1, 1) > 0  # bronchi that the grid tears apart
+        canvas.labels[lungs.find_islands(canvas.labels, anatomy.AIRWAY) & here] = label
+        # Walls that bronchi have cut off.
         canvas.labels[lungs.find_islands(canvas.labels, label)] = anatomy.BODY
 
 
