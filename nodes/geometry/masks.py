@@ -7,7 +7,7 @@ wider than asked for is opened or closed.
 from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float, Float32, Int
 
 if TYPE_CHECKING:
     import SimpleITK
@@ -18,10 +18,33 @@ Spacing = Float[np.ndarray, "3"]
 
 def connected_parts(mask: Mask) -> tuple[Int[np.ndarray, "i j k"], Int[np.ndarray, " n"]]:
     """Number the connected parts of a mask from 1 and count the voxels of each."""
-    from scipy import ndimage
+    import SimpleITK as sitk
 
-    parts, count = ndimage.label(mask)
-    return parts, np.bincount(parts.ravel(), minlength=count + 1)[1:]
+    if not mask.size:  # on which ITK would end the whole process
+        return np.zeros(mask.shape, np.int32), np.zeros(0, np.int64)
+    # ITK's way is 6 times faster than scipy's on a whole CT, and numbers the parts alike.
+    parts = sitk.GetArrayFromImage(sitk.ConnectedComponent(_to_itk(mask))).view(np.int32)
+    return parts, np.bincount(parts.ravel(), minlength=1)[1:]
+
+
+def largest_part(mask: Mask) -> Mask:
+    """Return the largest connected part; of several equal ones the first, of nothing nothing."""
+    parts, sizes = connected_parts(mask)
+    return parts == (sizes.argmax() + 1 if len(sizes) else -1)
+
+
+def parts_of_size(mask: Mask, smallest: float | int) -> Mask:
+    """Return the connected parts that have at least this many voxels."""
+    parts, sizes = connected_parts(mask)
+    return np.concatenate([[False], sizes >= smallest])[parts]
+
+
+def parts_that_meet(mask: Mask, other: Mask) -> Mask:
+    """Return the connected parts of `mask` that have a voxel in common with `other`."""
+    parts, sizes = connected_parts(mask)
+    met = np.zeros(len(sizes) + 1, bool)
+    met[parts[other & mask]] = True
+    return met[parts] & mask
 
 
 def bounding_box(mask: Mask, margin: int = 0) -> tuple[slice, slice, slice]:
@@ -38,12 +61,18 @@ def bounding_box(mask: Mask, margin: int = 0) -> tuple[slice, slice, slice]:
 def plane_holes(mask: Mask, axis: int) -> Mask:
     """Return what the mask surrounds within each plane across `axis`: all that cannot be left
     towards the plane's edge."""
+    return plane_hole_parts(mask, axis) > 0
+
+
+def plane_hole_parts(mask: Mask, axis: int) -> Int[np.ndarray, "i j k"]:
+    """Return `plane_holes`, each hole of each plane with a number of its own."""
     from scipy import ndimage
 
     in_plane = ndimage.generate_binary_structure(3, 1)
     in_plane[_end(axis, 0)] = in_plane[_end(axis, 2)] = False
     parts, count = ndimage.label(~mask, in_plane)
-    return _closed_parts(parts, count, [other for other in range(3) if other != axis])
+    parts[~_closed_parts(parts, count, [other for other in range(3) if other != axis])] = 0
+    return parts
 
 
 def enclosed_holes(mask: Mask) -> Mask:
@@ -87,6 +116,43 @@ def close_mask(mask: Mask, radius_mm: float, spacing_mm: Spacing) -> Mask:
     closed = sitk.BinaryMorphologicalClosing(_to_itk(mask[box]), radius, sitk.sitkBall, 1)
     result = np.zeros_like(mask)
     result[box] = _from_itk(closed)
+    return result
+
+
+def depth_mm(mask: Mask, spacing_mm: Spacing) -> Float32[np.ndarray, "i j k"]:
+    """Return how far each voxel lies inside of the mask, mm; outside it is negative or 0.
+
+    Measured from voxel centre to the nearest voxel centre at the mask's border [Maurer2003].
+    """
+    import SimpleITK as sitk
+
+    image = _to_itk(mask)
+    image.SetSpacing([float(step) for step in spacing_mm[::-1]])
+    depth = sitk.SignedMaurerDistanceMap(
+        image, insideIsPositive=True, squaredDistance=False, useImageSpacing=True
+    )
+    return sitk.GetArrayFromImage(depth)
+
+
+def grow_mask(mask: Mask, radius_mm: float, spacing_mm: Spacing) -> Mask:
+    """Add all that lies within this distance of the mask, mm."""
+    result = mask.copy()
+    if mask.any():
+        margin = int(radius_mm / float(spacing_mm.min())) + 1
+        box = bounding_box(mask, margin)
+        result[box] = depth_mm(mask[box], spacing_mm) >= -radius_mm
+    return result
+
+
+def shrink_mask(mask: Mask, radius_mm: float, spacing_mm: Spacing) -> Mask:
+    """Remove all that lies within this distance of a voxel that is not in the mask, mm.
+
+    What the image's edge cuts is not shrunk from there: nothing is known beyond it.
+    """
+    result = np.zeros_like(mask)
+    if mask.any():
+        box = bounding_box(mask, 1)
+        result[box] = mask[box] & (depth_mm(~mask[box], spacing_mm) < -radius_mm)
     return result
 
 

@@ -166,5 +166,6 @@ def _origin(
         told.append(f'"{CAVITY}" is in {pieces} pieces: adhesions cut it')
     if count < parameters.adhesions:
         told.append(f"{count} of {parameters.adhesions} adhesions: there is room for no more")
-    origin = replace(ct, simulated=True)
+    source = f"{ct.source}, {name.replace('_', ' ')} collapsed by simulation"
+    origin = replace(ct, source=source, simulated=True)
     return origin.with_notice(*labels.notices, *told)

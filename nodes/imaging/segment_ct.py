@@ -1,128 +1,189 @@
-"""Body, bone and lungs in a chest CT by thresholds, connected parts and closing."""
+"""Body, bone, lungs, airway and effusion in a CT, by region growing from seeds."""
 
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import UInt8
 
 from nodes.errors import BadInput
-from nodes.geometry.grids import LabelMap, Volume, spacing_mm, voxel_volume_mm3
-from nodes.geometry.masks import (
-    close_mask,
-    connected_parts,
-    enclosed_holes,
-    open_planes,
-    plane_holes,
+from nodes.geometry.grids import LabelMap, Volume
+from nodes.geometry.origin import Origin
+from nodes.imaging.ct_airway import find_airway
+from nodes.imaging.ct_body import find_body
+from nodes.imaging.ct_bone import find_bone
+from nodes.imaging.ct_effusion import find_effusion
+from nodes.imaging.ct_lungs import LEFT, RIGHT, fill_vessels, find_lungs
+from nodes.imaging.ct_parameters import SegmentCtParameters
+from nodes.imaging.ct_scan import CtScan, Mask, turn_of, turned_transform
+from nodes.imaging.hand_corrections import (
+    barrier_mask,
+    given_masks,
+    paint_corrections,
+    without_given,
 )
-from nodes.imaging.parameters import SegmentCtParameters
 
-NAMES = ("body", "bone", "lungs")
-ML_IN_MM3 = 1000.0
+NAMES = ("body", "bone", "left_lung", "right_lung", "airway", "effusion")
+SIDES = {LEFT: "left_lung", RIGHT: "right_lung"}
 
 
-def segment_ct(ct: Volume, parameters: SegmentCtParameters) -> LabelMap:
-    """Label what is inside the skin: "bone", "lungs", and all the rest as "body".
+def segment_ct(ct: Volume, given_labels: LabelMap, parameters: SegmentCtParameters) -> LabelMap:
+    """Label what is inside the skin: bone, lungs, airway, effusion, and all the rest as "body".
 
-    A voxel has one label; bone and lungs win over body.
+    A voxel has one label. What is grown is bounded by the person's barriers; labels that they
+    give replace what would be found, and their corrections have the last word.
 
     Parameters
     ----------
-    ct : chest CT in HU.
-    parameters : thresholds, widths and sizes.
+    ct : CT in HU.
+    given_labels : labels on the grid of `ct` that the person has drawn; without names, none.
+    parameters : what to look for, thresholds and sizes, and the person's hand.
 
     Returns
     -------
-    Label map on the grid of `ct`.
+    Label map on the grid of `ct`: the labels looked for, then further ones that were given.
 
     Raises
     ------
-    BadInput where values are not HU, or body, bone or lungs are not found.
+    BadInput where values are not HU, a label is not found that a chest must have, a region leaks,
+    or a seed, barrier, correction or given label breaks a rule.
     """
+    _refuse_other_units(ct)
+    turn = turn_of(ct.patient_from_index)
+    patient_from_turned = turned_transform(ct, turn)
+    hu = turn.forth(ct.voxels)
+    closed = barrier_mask(hu.shape, patient_from_turned, parameters.barriers)
+    given = given_masks(given_labels, ct, turn)
+    scan = without_given(CtScan(hu, patient_from_turned, closed), given)
+    masks = _masks(scan, given, parameters)
+    looked_for = [name for name in NAMES if name == "body" or name in parameters.labels]
+    names = tuple(dict.fromkeys([*looked_for, *given]))
+    labels = _painted(masks, names, hu.shape)
+    paint_corrections(labels, patient_from_turned, names, parameters.corrections)
+    _refuse_leaks(labels, names, given, scan, parameters)
+    origin = _told(ct.origin, labels, names, given, scan, parameters)
+    return LabelMap(turn.back(labels), ct.patient_from_index, names, origin)
+
+
+def _refuse_other_units(ct: Volume) -> None:
     if ct.unit != "HU":
         raise BadInput(
             f"a volume in {ct.unit}",
             "thresholds in HU need a CT volume in HU",
             "give the CT as its scanner wrote it; for an MRI use an MRI pipeline",
         )
-    body = _segment_body(ct, parameters)
-    lungs = _segment_lungs(ct, body, parameters)
-    bone = _segment_bone(ct, body & ~lungs, parameters)
-    labels = body.astype(np.uint8)
-    labels[lungs] = NAMES.index("lungs") + 1
-    labels[bone] = NAMES.index("bone") + 1
-    origin = ct.origin.with_notice(
-        "air in trachea and bronchi that joins the lungs is counted as lungs"
-    )
-    return LabelMap(labels, ct.patient_from_index, NAMES, origin)
 
 
-def _segment_body(ct: Volume, parameters: SegmentCtParameters) -> Bool[np.ndarray, "i j k"]:
-    """Return the largest part of tissue, without the table, and all that it surrounds.
-
-    Holes are filled within axial planes: the lungs are open to no side there, while in three
-    dimensions the trachea leads out at the top.
-    """
-    axis = _axial_axis(ct)
-    tissue = ct.voxels >= parameters.body_threshold_hu
-    tissue = open_planes(tissue, axis, parameters.table_opening_mm, _spacing(ct))
-    largest = _largest_part(tissue)
-    if largest is None:
-        raise _not_found("body", parameters.body_threshold_hu, "at or above", 0.0)
-    return largest | plane_holes(largest, axis)
-
-
-def _axial_axis(ct: Volume) -> int:
-    """Return the index axis that is closest to the patient's long axis."""
-    return int(np.argmax(abs(ct.patient_from_index[2, :3]) / _spacing(ct)))
-
-
-def _spacing(ct: Volume) -> np.ndarray:
-    return spacing_mm(ct.patient_from_index)
-
-
-def _largest_part(mask: Bool[np.ndarray, "i j k"]) -> Bool[np.ndarray, "i j k"] | None:
-    parts, sizes = connected_parts(mask)
-    return parts == sizes.argmax() + 1 if len(sizes) else None
+def _masks(
+    scan: CtScan, given: dict[str, Mask], parameters: SegmentCtParameters
+) -> dict[str, Mask]:
+    """Return all that is given or found; what comes later lies over what came before."""
+    nothing = np.zeros(scan.hu.shape, bool)
+    wanted = [name for name in parameters.labels if name not in given]
+    body = given["body"] if "body" in given else find_body(scan, parameters)
+    free = body & ~scan.closed
+    airway = given.get("airway", nothing)
+    if "airway" in wanted:
+        airway = find_airway(scan, body, parameters)
+    lungs = _lungs(scan, free, airway, given, wanted, parameters)
+    tissue = free & ~airway & ~np.logical_or.reduce([nothing, *lungs.values()])
+    bone = find_bone(scan, tissue, parameters) if "bone" in wanted else given.get("bone", nothing)
+    tissue &= ~bone
+    effusion = given.get("effusion", nothing)
+    if "effusion" in wanted:
+        effusion = find_effusion(scan, tissue, lungs, parameters)
+    tissue &= ~effusion
+    found = {"body": body, "bone": bone}
+    found |= {SIDES[side]: lung for side, lung in lungs.items()}
+    found |= {"airway": airway, "effusion": effusion}
+    return found | given
 
 
-def _segment_lungs(
-    ct: Volume, body: Bool[np.ndarray, "i j k"], parameters: SegmentCtParameters
-) -> Bool[np.ndarray, "i j k"]:
-    """Return the air inside the body that is lung, its vessels filled."""
-    from scipy import ndimage
+def _lungs(
+    scan: CtScan,
+    free: Mask,
+    airway: Mask,
+    given: dict[str, Mask],
+    wanted: list[str],
+    parameters: SegmentCtParameters,
+) -> dict[int, Mask]:
+    """Return the lungs by side, given or found."""
+    lungs = {side: given[name] for side, name in SIDES.items() if name in given}
+    sought = [side for side, name in SIDES.items() if name in wanted]
+    if sought:
+        found = find_lungs(scan, free, airway, parameters)
+        lungs |= {side: found[side] for side in sought if side in found}
+    for side in sought:
+        if side in lungs:
+            others = [lung for other, lung in lungs.items() if other != side]
+            tissue = free & ~np.logical_or.reduce([airway, *others])
+            lungs[side] = fill_vessels(lungs[side], tissue, scan.spacing, parameters)
+        else:
+            raise BadInput(
+                f"no {SIDES[side]} found in the CT",
+                f"a lung is air below {parameters.lung_threshold_hu:g} HU in one part of"
+                f" {parameters.smallest_lung_ml:g} ml or more on its side of the spine",
+                "check that the series shows the chest and is in HU, give a point in the lung as"
+                f" {SIDES[side]}_seeds_patient_mm, or take {SIDES[side]} out of labels",
+            )
+    return lungs
 
-    air = body & (ct.voxels < parameters.lung_threshold_hu)
-    parts, sizes = connected_parts(air)
-    volumes_ml = sizes * voxel_volume_mm3(ct.patient_from_index) / ML_IN_MM3
-    large = np.flatnonzero(volumes_ml >= parameters.smallest_lung_ml) + 1
-    means_hu = np.asarray(ndimage.mean(ct.voxels, parts, large)) if len(large) else np.empty(0)
-    lungs = np.isin(parts, large[means_hu >= parameters.gas_mean_hu])
-    if not lungs.any():
-        raise _not_found(
-            "lungs", parameters.lung_threshold_hu, "below", parameters.smallest_lung_ml
+
+def _painted(
+    masks: dict[str, Mask], names: tuple[str, ...], shape: tuple[int, ...]
+) -> UInt8[np.ndarray, "x y z"]:
+    labels = np.zeros(shape, np.uint8)
+    for name, mask in masks.items():
+        if name in names:
+            labels[mask] = names.index(name) + 1
+    return labels
+
+
+def _refuse_leaks(
+    labels: UInt8[np.ndarray, "x y z"],
+    names: tuple[str, ...],
+    given: dict[str, Mask],
+    scan: CtScan,
+    parameters: SegmentCtParameters,
+) -> None:
+    """Refuse volumes beyond anatomy; what a person has drawn is theirs to answer for."""
+    limits = {
+        "left_lung": parameters.largest_lung_ml,
+        "right_lung": parameters.largest_lung_ml,
+        "airway": parameters.largest_airway_ml,
+        "effusion": parameters.largest_effusion_ml,
+        "bone": parameters.largest_bone_ml,
+    }
+    for name in names:
+        volume = scan.millilitres(int(np.count_nonzero(labels == names.index(name) + 1)))
+        if name in limits and name not in given and volume > limits[name]:
+            raise BadInput(
+                f"{name} of {volume:.0f} ml: the region has leaked",
+                f"no {name} is larger than {limits[name]:g} ml",
+                "put a barrier where it leaks, give seeds, or change the thresholds",
+            )
+
+
+def _told(
+    origin: Origin,
+    labels: UInt8[np.ndarray, "x y z"],
+    names: tuple[str, ...],
+    given: dict[str, Mask],
+    scan: CtScan,
+    parameters: SegmentCtParameters,
+) -> Origin:
+    """Return the origin with all that a reader of the labels must know."""
+    present = np.bincount(labels.ravel(), minlength=len(names) + 1)[1:] > 0
+    absent = [name for name, there in zip(names, present, strict=True) if not there]
+    notices = [f"no {name} found; its label is empty" for name in absent]
+    notices += [f"{name} was given by hand" for name in given]
+    if parameters.corrections:
+        notices.append(f"{len(parameters.corrections)} corrections were made by hand")
+    if "airway" in names and "airway" not in given:
+        notices.append("the airway ends where the bronchi get too small for the scan's voxels")
+    if "left_lung" in names and "airway" not in names:
+        notices.append("air in trachea and bronchi that joins the lungs is counted as lung")
+    metal_ml = scan.millilitres(int(np.count_nonzero(scan.hu[labels > 0] >= parameters.metal_hu)))
+    if metal_ml >= parameters.smallest_metal_ml:
+        notices.append(
+            f"{metal_ml:.1f} ml are as dense as metal and count as bone; streaks around them can"
+            " look like bone or hide it"
         )
-    return close_mask(lungs, parameters.lung_closing_mm, _spacing(ct)) & body
-
-
-def _segment_bone(
-    ct: Volume, inside: Bool[np.ndarray, "i j k"], parameters: SegmentCtParameters
-) -> Bool[np.ndarray, "i j k"]:
-    """Return the bright parts that are large enough, with what they enclose."""
-    bright = inside & (ct.voxels >= parameters.bone_threshold_hu)
-    parts, sizes = connected_parts(bright)
-    volumes_ml = sizes * voxel_volume_mm3(ct.patient_from_index) / ML_IN_MM3
-    kept = np.concatenate([[False], volumes_ml >= parameters.smallest_bone_ml])
-    bone = kept[parts]
-    if not bone.any():
-        raise _not_found(
-            "bone", parameters.bone_threshold_hu, "at or above", parameters.smallest_bone_ml
-        )
-    bone = close_mask(bone, parameters.bone_closing_mm, _spacing(ct)) & inside
-    return bone | enclosed_holes(bone)
-
-
-def _not_found(name: str, threshold_hu: float, side: str, smallest_ml: float) -> BadInput:
-    return BadInput(
-        f"no {name} found in the CT",
-        f"{name}: values {side} {threshold_hu:g} HU, in parts of {smallest_ml:g} ml or more",
-        "check that the series shows the chest and is in HU, or change the parameters of"
-        " segment_ct",
-    )
+    return origin.with_notice(*notices)

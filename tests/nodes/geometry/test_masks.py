@@ -12,9 +12,16 @@ from nodes.geometry.masks import (
     bounding_box,
     close_mask,
     connected_parts,
+    depth_mm,
     enclosed_holes,
+    grow_mask,
+    largest_part,
     open_planes,
+    parts_of_size,
+    parts_that_meet,
+    plane_hole_parts,
     plane_holes,
+    shrink_mask,
 )
 
 STEPS = [step for step in product((-1, 0, 1), repeat=3) if sum(map(abs, step)) == 1]
@@ -46,6 +53,57 @@ def test_parts_are_what_a_walk_over_faces_reaches(mask):
         part = {tuple(other) for other in np.argwhere(parts == parts[place])}
         assert part == reached(mask, [place])
         assert sizes[parts[place] - 1] == len(part)
+
+
+@anything
+@given(small_masks, st.integers(1, 4))
+def test_parts_are_chosen_by_size_and_by_what_they_meet(mask, smallest):
+    parts = [reached(mask, [place]) for place in map(tuple, np.argwhere(mask))]
+    sizes = {place: len(part) for part in parts for place in part}
+    other = np.random.default_rng(0).random(mask.shape) < 0.3
+    large, met = parts_of_size(mask, smallest), parts_that_meet(mask, other)
+    most = largest_part(mask)
+    for part in parts:
+        for place in part:
+            assert large[place] == (sizes[place] >= smallest)
+            assert met[place] == any(other[p] for p in part)
+    assert not (large | met | most)[~mask].any()
+    assert most.sum() == max(sizes.values(), default=0) and len(connected_parts(most)[1]) <= 1
+
+
+@anything
+@given(small_masks, st.floats(0.2, 4.0))
+def test_growing_and_shrinking_reach_as_far_as_every_pair_of_centres_says(mask, radius):
+    spacing = np.array([1.0, 0.7, 2.0])
+    places = np.argwhere(np.ones_like(mask)) * spacing
+    inside, outside = places[mask.ravel()], places[~mask.ravel()]
+
+    def nearest(points):
+        apart = np.linalg.norm(places[:, None] - points[None], axis=2)
+        return apart.min(axis=1, initial=np.inf).reshape(mask.shape)
+
+    if abs(np.subtract.outer([radius], nearest(inside))).min() > 1e-4:
+        np.testing.assert_array_equal(grow_mask(mask, radius, spacing), nearest(inside) <= radius)
+    if abs(np.subtract.outer([radius], nearest(outside))).min() > 1e-4:
+        np.testing.assert_array_equal(shrink_mask(mask, radius, spacing), nearest(outside) > radius)
+
+
+def test_depth_of_a_ball_is_that_of_its_radius():
+    x, y, z = np.ogrid[-20:21, -20:21, -10:11]
+    away = np.sqrt(x**2 + y**2 + (2.0 * z) ** 2)
+    depth = depth_mm(away <= 15, np.array([1.0, 1.0, 2.0]))
+    np.testing.assert_allclose(depth, 15 - away, atol=np.sqrt(6))  # a voxel's diagonal
+
+
+@anything
+@given(small_masks, st.integers(0, 2))
+def test_every_hole_of_a_plane_has_a_number_of_its_own(mask, axis):
+    parts = plane_hole_parts(mask, axis)
+    np.testing.assert_array_equal(parts > 0, plane_holes(mask, axis))
+    steps = [step for step in STEPS if step[axis] == 0]
+    for place in map(tuple, np.argwhere(parts)):
+        part = {tuple(other) for other in np.argwhere(parts == parts[place])}
+        assert part == reached(~mask, [place], steps)
 
 
 @anything
