@@ -247,12 +247,45 @@ def _bounded(
         _mean_over(tissue & ~_beside(lung), hu, np.maximum(width, 1.0)) > middle_hu
     )
     fluid = (even < middle_hu) & tissue & ~touching & ~scan.closed[box]
+    core = core | _layers(fluid, core, lung, hu, scan, parameters)
     near = grow_mask(lung, parameters.effusion_film_mm, scan.spacing)
     taper_mm = parameters.effusion_taper_mm
     fluid = _without_sheets(fluid, near, core, scan.spacing, taper_mm)
     # Noise leaves specks; those that fluid and lung enclose are fluid.
     specks = enclosed_holes(fluid | lung) & tissue & ~scan.closed[box]
     return fluid | parts_that_meet(specks, _beside(fluid))
+
+
+def _layers(
+    fluid: Mask,
+    core: Mask,
+    lung: Mask,
+    hu: Float32[np.ndarray, "x y z"],
+    scan: CtScan,
+    parameters: SegmentCtParameters,
+) -> Mask:
+    """Return further fluid: as dark as the core, smaller, three voxels thick, a layer on its lung.
+
+    So is fluid between lung and diaphragm. The diaphragm's own thickness keeps stomach and bowel
+    from lying on the lung with much of their surface.
+    """
+    from scipy import ndimage
+
+    thick = ndimage.binary_opening(fluid)
+    parts, sizes = connected_parts(thick)
+    count = len(sizes) + 1
+    met = np.bincount(parts[core], minlength=count)[1:] > 0
+    near = grow_mask(lung, parameters.effusion_film_mm, scan.spacing)
+    surface = thick & ~ndimage.binary_erosion(thick)
+    contact, whole = (
+        np.bincount(parts[mask], minlength=count)[1:] for mask in (surface & near, surface)
+    )
+    mean_hu = np.bincount(parts.ravel(), weights=hu.ravel(), minlength=count)[1:] / sizes
+    alike = abs(mean_hu - hu[core].mean()) <= parameters.effusion_tolerance_hu
+    large = scan.millilitres(1) * sizes >= parameters.smallest_layer_ml
+    kept = ~met & alike & large & (sizes < core.sum())
+    kept &= contact >= parameters.effusion_contact_share * whole
+    return np.concatenate([[False], kept])[parts]
 
 
 def _width_mm(

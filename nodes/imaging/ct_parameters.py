@@ -144,6 +144,10 @@ class SegmentCtParameters(Parameters):
     between fluid and wall, no unit."""
     effusion_outside_share: Annotated[float, Field(ge=0, le=1)]
     """Least share of an effusion that lies between lung and chest wall, no unit."""
+    effusion_contact_share: Annotated[float, Field(gt=0, le=1)]
+    """Further fluid of the same value counts if as much of its surface lies on the lung, no unit."""
+    smallest_layer_ml: Volume
+    """Such further fluid has at least this volume, ml."""
     effusion_film_mm: Radius
     """Fluid thinner than two voxels counts within this distance of the lung only, mm."""
     effusion_taper_mm: Radius

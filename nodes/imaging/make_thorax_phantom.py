@@ -100,7 +100,8 @@ def _paint_thorax(canvas: Canvas, parameters: MakeThoraxPhantomParameters) -> No
     build = anatomy.draw_build(parameters.variation, parameters.seed)
     ill = anatomy.LEFT if parameters.effusion_side == "left" else anatomy.RIGHT
     share = parameters.effusion_share
-    collapse = lungs.draw_in(ill, build, parameters.lung_lies, share)
+    film = parameters.thinnest_fluid_mm
+    collapse = lungs.draw_in(ill, build, parameters.lung_lies, share, film)
     collapses = {ill: collapse, -ill: lungs.HEALTHY}
     anatomy.paint_trunk(canvas, build)
     bones.paint_ribs(canvas, build)

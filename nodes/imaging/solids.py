@@ -104,6 +104,19 @@ def cut(solids: Sequence[Solid], away: Sequence[Solid] = ()) -> Solid:
     return Solid(distance, _triple(low), _triple(np.min([s.high for s in solids], axis=0)))
 
 
+def narrow(inner: Solid, outer: Solid, width: Number) -> Solid:
+    """Where the gap between two surfaces, one around the other, is narrower than this.
+
+    The gap's width changes slowly along it, so the distance to where it has this width is longer
+    than told: across the gap's end values blend over less than a voxel.
+    """
+
+    def distance(points):
+        return inner.distance(points) - outer.distance(points) - np.float32(width)
+
+    return Solid(distance, outer.low, outer.high)
+
+
 def shell(solid: Solid, half_thickness: Number) -> Solid:
     """A sheet around the surface of another solid."""
 

@@ -3,7 +3,8 @@
 The collapsed lung is its healthy self, drawn towards an anchor by a factor: at the hilum's height,
 beside the spine, so that it keeps to the mediastinum and lies on the posterior side of the fluid,
 as in [Kuntz2017] Fig. 3. (Without adhesions fluid would pool behind an aerated lung in a patient on
-his back; `lung_lies` can put the lung in front.)
+his back; `lung_lies` can put the lung in front.) Where fluid would be a thinner film than asked for,
+the lung lies on the wall: a small effusion is a layer at one place and no film around the whole lung.
 """
 
 from typing import NamedTuple
@@ -21,6 +22,7 @@ from nodes.imaging.solids import (
     cut,
     ellipsoid,
     join,
+    narrow,
     scale_towards,
     tube,
 )
@@ -46,17 +48,19 @@ SHARE_GRID = 4.0  # mm, on which the share of the fluid is set
 
 
 class Collapse(NamedTuple):
-    """How far a lung is drawn in: to `factor` of its length, towards `anchor`."""
+    """How far a lung is drawn in: to `factor` of its length, towards `anchor`, but where that
+    leaves a gap narrower than `film` it stays on the wall; all in mm."""
 
     factor: float
     anchor: Triple
+    film: float
 
     def move(self, course: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
         """Return where points of the healthy lung are now."""
         return np.array(self.anchor) + self.factor * (course - np.array(self.anchor))
 
 
-HEALTHY = Collapse(1.0, (0.0, 0.0, 0.0))
+HEALTHY = Collapse(1.0, (0.0, 0.0, 0.0), 0.0)
 
 
 def lung_label(side: int) -> int:
@@ -81,10 +85,11 @@ def lung(side: int, build: Build, collapse: Collapse) -> Solid:
     hilum = np.array([side * HILUM[0], *HILUM[1:]])
     inner = hilum - (12.0 * side, 0, 0)
     stalk = tube(np.stack([inner, hilum, collapse.move(hilum[None])[0]]), STALK_RADIUS)
-    return cut([join([scale_towards(cavity, collapse.anchor, collapse.factor), *stalk]), cavity])
+    small = scale_towards(cavity, collapse.anchor, collapse.factor)
+    return cut([join([small, narrow(small, cavity, collapse.film), *stalk]), cavity])
 
 
-def draw_in(side: int, build: Build, lies: str, share: float) -> Collapse:
+def draw_in(side: int, build: Build, lies: str, share: float, film: float) -> Collapse:
     """Return the collapse that leaves `share` of a cavity free, by bisection of the volume.
 
     The volume is that on a grid of its own, so that it does not change with the image's.
@@ -99,9 +104,9 @@ def draw_in(side: int, build: Build, lies: str, share: float) -> Collapse:
     low, high = 0.1, 1.0
     for _ in range(14):
         middle = (low + high) / 2
-        left = _volume(lung(side, build, Collapse(middle, anchor)).distance(points)) / whole
+        left = _volume(lung(side, build, Collapse(middle, anchor, film)).distance(points)) / whole
         low, high = (low, middle) if left > 1 - share else (middle, high)
-    return Collapse((low + high) / 2, anchor)
+    return Collapse((low + high) / 2, anchor, film)
 
 
 def _grid(solid: Solid) -> tuple[Distance, Distance, Distance]:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy import ndimage
 
 from nodes.imaging.solids import join, tube
 from nodes.imaging.thorax_anatomy import Build, draw_build
@@ -29,18 +30,38 @@ def test_no_rib_cuts_a_lung(seed):
 
 
 @settings(max_examples=4, deadline=None)
-@given(seed=seeds, share=st.floats(0.05, 0.7), side=st.sampled_from([-1, 1]))
-def test_a_collapsed_lung_is_as_small_as_asked_and_stays_in_its_cavity(seed, share, side):
+@given(
+    seed=seeds,
+    share=st.floats(0.05, 0.7),
+    side=st.sampled_from([-1, 1]),
+    film=st.sampled_from([0.0, 3.0]),
+)
+def test_a_collapsed_lung_is_as_small_as_asked_and_stays_in_its_cavity(seed, share, side, film):
     build = draw_build(1.0, seed)
-    collapse = draw_in(side, build, "posterior", share)
+    collapse = draw_in(side, build, "posterior", share, film)
     cavity = pleural_cavity(side, build).distance(POINTS) < 0
     small = lung(side, build, collapse).distance(POINTS) < 0
     assert not (small & ~cavity).any()
     assert 1 - small.sum() / cavity.sum() == pytest.approx(share, abs=0.01)
 
 
+@pytest.mark.parametrize(("film", "least"), [(0.0, 0.0), (4.0, 0.9)])
+def test_fluid_is_no_film_where_none_is_asked_for(film, least):
+    """A ball of 1.5 mm fits into the fluid nearly everywhere, or, with films, not."""
+    build = draw_build(0.5, 3)
+    lowered = [np.arange(a, b, 1.0, dtype=np.float32) for a, b in ((0, 150), (0, 110), (-60, 20))]
+    points = np.ix_(*lowered)
+    inside = pleural_cavity(1, build).distance(points) < 0
+    collapse = draw_in(1, build, "posterior", 0.15, film)
+    fluid = inside & ~(lung(1, build, collapse).distance(points) < 0)
+    room = ndimage.distance_transform_edt(np.pad(fluid, 3, "edge"))[3:-3, 3:-3, 3:-3] >= 1.5
+    reached = ndimage.distance_transform_edt(~room) < 1.5
+    share = (fluid & reached).sum() / fluid.sum()
+    assert share > least if film else share < 0.8
+
+
 def test_without_fluid_nothing_is_drawn_in():
-    assert draw_in(1, Build(), "posterior", 0.0) == HEALTHY
+    assert draw_in(1, Build(), "posterior", 0.0, 3.0) == HEALTHY
     course = np.array([(1.0, 2, 3), (4, 5, 6)])
     np.testing.assert_array_equal(HEALTHY.move(course), course)
 
