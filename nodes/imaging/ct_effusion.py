@@ -43,7 +43,11 @@ class CoarseTissue(NamedTuple):
 
 
 def find_effusion(
-    scan: CtScan, tissue: Mask, lungs: dict[int, Mask], parameters: SegmentCtParameters
+    scan: CtScan,
+    tissue: Mask,
+    lungs: dict[int, Mask],
+    dents: Mask,
+    parameters: SegmentCtParameters,
 ) -> Mask:
     """Return the fluid around the lungs; nothing where there is none to speak of.
 
@@ -51,7 +55,8 @@ def find_effusion(
     ----------
     scan : the CT.
     tissue : what is neither air, lung nor bone inside the body.
-    lungs : lung by side (LEFT, RIGHT), without its filled vessels.
+    lungs : lung by side (LEFT, RIGHT), with its vessels.
+    dents : what was filled as vessels or dents of the lungs; fluid in it is no lung.
     """
     result = np.zeros_like(tissue)
     if not lungs or not tissue.any():
@@ -66,6 +71,9 @@ def find_effusion(
         result[box] |= _bounded(
             scan, box, core[box], lungs[side][box], tissue[box], (fluid_hu, wall_hu), parameters
         )
+        fluid = dents & (scan.hu > parameters.lung_threshold_hu)
+        fluid &= scan.hu < (fluid_hu + wall_hu) / 2
+        result |= fluid & grow_mask(result, parameters.effusion_dent_mm, scan.spacing)
     return result
 
 

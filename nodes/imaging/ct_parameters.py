@@ -150,6 +150,8 @@ class SegmentCtParameters(Parameters):
     """Such further fluid has at least this volume, ml."""
     effusion_film_mm: Radius
     """Fluid thinner than two voxels counts within this distance of the lung only, mm."""
+    effusion_dent_mm: Radius
+    """Fluid this near to an effusion that was filled as a dent of the lung counts, mm."""
     effusion_taper_mm: Radius
     """How far such a thin end may reach out from a layer of three voxels or more, mm."""
     smallest_effusion_ml: Volume

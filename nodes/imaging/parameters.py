@@ -25,7 +25,7 @@ class MakeThoraxPhantomParameters(Parameters):
     slice_thickness_mm: Annotated[float, Field(ge=0.4, le=12)]
     """Distance between slices and thickness of each, mm."""
     effusion_share: Annotated[float, Field(ge=0, le=0.7)]
-    """Share of one pleural cavity's volume that the lung leaves to fluid, without unit; 0: healthy."""
+    """Share of one pleural cavity's volume that is fluid and no lung, without unit; 0: healthy."""
     thinnest_fluid_mm: Annotated[float, Field(ge=0, le=20)]
     """Where fluid would be thinner the lung lies on the wall, mm for a chest 350 mm wide."""
     effusion_side: Literal["left", "right"]

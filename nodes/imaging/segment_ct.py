@@ -82,13 +82,13 @@ def _masks(
     airway = given.get("airway", nothing)
     if "airway" in wanted:
         airway = find_airway(scan, body, parameters)
-    lungs = _lungs(scan, free, airway, given, wanted, parameters)
+    lungs, dents = _lungs(scan, free, airway, given, wanted, parameters)
     tissue = free & ~airway & ~np.logical_or.reduce([nothing, *lungs.values()])
     bone = find_bone(scan, tissue, parameters) if "bone" in wanted else given.get("bone", nothing)
     tissue &= ~bone
     effusion = given.get("effusion", nothing)
     if "effusion" in wanted:
-        effusion = find_effusion(scan, tissue, lungs, parameters)
+        effusion = find_effusion(scan, tissue, lungs, dents, parameters)
     tissue &= ~effusion
     found = {"body": body, "bone": bone}
     found |= {SIDES[side]: lung for side, lung in lungs.items()}
@@ -103,9 +103,10 @@ def _lungs(
     given: dict[str, Mask],
     wanted: list[str],
     parameters: SegmentCtParameters,
-) -> dict[int, Mask]:
-    """Return the lungs by side, given or found."""
+) -> tuple[dict[int, Mask], Mask]:
+    """Return the lungs by side, given or found, and what was filled in those found."""
     lungs = {side: given[name] for side, name in SIDES.items() if name in given}
+    dents = np.zeros(scan.hu.shape, bool)
     sought = [side for side, name in SIDES.items() if name in wanted]
     if sought:
         found = find_lungs(scan, free, airway, parameters)
@@ -114,7 +115,9 @@ def _lungs(
         if side in lungs:
             others = [lung for other, lung in lungs.items() if other != side]
             tissue = free & ~np.logical_or.reduce([airway, *others])
-            lungs[side] = fill_vessels(lungs[side], tissue, scan.spacing, parameters)
+            air = lungs[side]
+            lungs[side] = fill_vessels(air, tissue, scan.spacing, parameters)
+            dents |= lungs[side] & ~air
         else:
             raise BadInput(
                 f"no {SIDES[side]} found in the CT",
@@ -123,7 +126,7 @@ def _lungs(
                 "check that the series shows the chest and is in HU, give a point in the lung as"
                 f" {SIDES[side]}_seeds_patient_mm, or take {SIDES[side]} out of labels",
             )
-    return lungs
+    return lungs, dents
 
 
 def _painted(

@@ -3,8 +3,8 @@
 The collapsed lung is its healthy self, drawn towards an anchor by a factor: at the hilum's height,
 beside the spine, so that it keeps to the mediastinum and lies on the posterior side of the fluid,
 as in [Kuntz2017] Fig. 3. (Without adhesions fluid would pool behind an aerated lung in a patient on
-his back; `lung_lies` can put the lung in front.) Where fluid would be a thinner film than asked for,
-the lung lies on the wall: a small effusion is a layer at one place and no film around the whole lung.
+his back; `lung_lies` can put the lung in front.) Where fluid would be a thinner film than asked
+for, the lung lies on the wall: a small effusion is a layer at one place, no film around the lung.
 """
 
 from typing import NamedTuple
