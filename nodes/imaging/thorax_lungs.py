@@ -119,7 +119,7 @@ def _grid(solid: Solid) -> tuple[Distance, Distance, Distance]:
 
 
 def _volume(distance: Distance) -> float:
-    return float(np.clip(0.5 - distance / SHARE_GRID, 0, 1).sum(dtype=float))
+    return float(np.count_nonzero(distance < 0))
 
 
 def paint_lungs(canvas: Canvas, build: Build, ill: int, collapse: Collapse, share: float) -> None:
