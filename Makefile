@@ -15,6 +15,7 @@ lint: setup-test
 
 bench: setup
 	$(BIN)/python -m benchmarks.rerun
+	$(BIN)/python -m benchmarks.imaging
 
 serve: setup
 	$(BIN)/tendril serve

@@ -1,4 +1,4 @@
-"""From a head MRI to the brain's halves, ventricles and skull, the space for a robot, and a page."""
+"""From a head MRI to the brain's halves, ventricles and skull, space for a robot, and a page."""
 
 from pipelines import anatomy
 from pipelines.stage import Stage

@@ -1,4 +1,4 @@
-"""From label maps that a person hands in, with start poses and targets, to an anatomy and a page."""
+"""From label maps drawn elsewhere, with start poses and targets, to an anatomy and a page."""
 
 from pipelines import anatomy
 from pipelines.stage import Stage

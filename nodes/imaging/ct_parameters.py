@@ -145,7 +145,7 @@ class SegmentCtParameters(Parameters):
     effusion_outside_share: Annotated[float, Field(ge=0, le=1)]
     """Least share of an effusion that lies between lung and chest wall, no unit."""
     effusion_contact_share: Annotated[float, Field(gt=0, le=1)]
-    """Further fluid of the same value counts if as much of its surface lies on the lung, no unit."""
+    """Further fluid of the same value counts if this share of its surface lies on the lung."""
     smallest_layer_ml: Volume
     """Such further fluid has at least this volume, ml."""
     effusion_film_mm: Radius

@@ -19,7 +19,8 @@ from nodes.imaging.lung_deformation import Affine, Collapse, Region, coarsen
 from nodes.imaging.parameters import CollapseLungParameters
 
 MARGIN = 10  # coarse voxels around a lung that is closed; more than a vessel is wide
-ROUNDS, CLOSE_ENOUGH = 4, 1e-3  # of setting the volume; parts of the old lung
+ROUNDS, CLOSE_ENOUGH = 16, 1e-3  # of setting the volume; parts of the old lung
+DAMPING = 0.6  # of each round: pieces that join or part make the volume jump
 
 
 @dataclass(frozen=True)
@@ -133,19 +134,24 @@ def settle_lung(
 
     As many as its share of the volume asks for. Lung that lies apart joins the cavity, and parts
     of the cavity that lie apart join the lung, so that each is in one piece; the number is then
-    mended and all is tried again.
+    mended and all is tried again. A cavity as thin as the voxels may miss its share; the best is
+    taken.
     """
     belonging = collapse.belonging(region, patient_from_index, old.shape)[old]
     wanted = round((1 - parameters.collapsed_share) * len(belonging))
     count = wanted
+    best = (len(belonging) + 1, old, 0.0)
     for _ in range(ROUNDS):
         count = int(np.clip(count, 1, len(belonging) - 1))
         level = float(np.partition(belonging, -count)[-count])
         lung = _in_one_piece(old, belonging >= level)
         missing = wanted - int(np.count_nonzero(lung))
-        if abs(missing) <= CLOSE_ENOUGH * len(belonging):
+        if abs(missing) < best[0]:
+            best = (abs(missing), lung, level)
+        if best[0] <= CLOSE_ENOUGH * len(belonging):
             break
-        count += missing
+        count += round(missing * DAMPING)
+    _, lung, level = best
     return Settled(lung, _edge(belonging, level, lung[old], patient_from_index, parameters))
 
 
