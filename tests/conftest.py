@@ -21,10 +21,15 @@ settings.load_profile("steady")
 pytest_plugins = ["tests.browser", "tests.toy"]
 
 
+def data_folder() -> Path:
+    """Return where the public test images are, if they are on this machine."""
+    return Path(os.environ.get("TENDRIL_TEST_DATA") or ROOT.parent / "shared" / "data")
+
+
 @pytest.fixture(scope="session")
 def test_data() -> Path:
     """The folder of public test images, named by TENDRIL_TEST_DATA."""
-    folder = Path(os.environ.get("TENDRIL_TEST_DATA") or ROOT.parent / "shared" / "data")
+    folder = data_folder()
     if not folder.is_dir():
         pytest.skip(f"no test data at {folder}: set TENDRIL_TEST_DATA")
     return folder

@@ -43,7 +43,7 @@ def read_slices(dataset: "Dataset", series: dict[str, int]) -> tuple[Slice, ...]
 
     Parameters
     ----------
-    series : numbers of the series by their UIDs; a new one is entered.
+    series : numbers of the series by UID and patient; a new one is entered.
 
     Raises
     ------
@@ -58,7 +58,9 @@ def read_slices(dataset: "Dataset", series: dict[str, int]) -> tuple[Slice, ...]
     if not headers:
         return ()
     uid = str(dataset.get("SeriesInstanceUID", ""))
-    number = series.setdefault(uid, len(series) + 1)
+    # Bad anonymisers give two patients one UID; who they are is compared and not kept.
+    patient = f"{dataset.get('PatientID', '')}|{dataset.get('PatientName', '')}"
+    number = series.setdefault(f"{uid}|{patient}", len(series) + 1)
     modality = str(dataset.get("Modality", "OT"))
     return tuple(
         _slice(stored, header, number, series_key(uid), modality)

@@ -111,6 +111,24 @@ def _refuse_short_nifti(image: "SimpleITK.Image", content: bytes) -> None:
     stored = pixels * int(image.GetMetaData("bitpix")) // 8
     if len(content) < float(image.GetMetaData("vox_offset")) + stored:
         raise EOFError
+    _refuse_nifti_nan(image, content, pixels)
+
+
+def _refuse_nifti_nan(image: "SimpleITK.Image", content: bytes, count: int) -> None:
+    """ITK turns what is no number into 0, which is soft tissue in a CT."""
+    kind = {"16": "f4", "64": "f8"}.get(image.GetMetaData("datatype"))
+    if kind is None:
+        return
+    end = "<" if content[:4] == (348).to_bytes(4, "little") else ">"
+    start = int(float(image.GetMetaData("vox_offset")))
+    values = np.frombuffer(content, f"{end}{kind}", count, start)
+    strange = count - int(np.count_nonzero(np.isfinite(values)))
+    if strange:
+        raise BadInput(
+            f"{strange} voxels are not a number or infinite",
+            "every voxel must have a value",
+            "replace them, for instance by -1024 HU outside the scan",
+        )
 
 
 def _narrowed(voxels: Shaped[np.ndarray, "i j k"]) -> Shaped[np.ndarray, "i j k"]:

@@ -127,6 +127,12 @@ def _grown_by_steps(
     """Return the last region before the volume jumps or exceeds an airway's."""
     values = air[tuple(seeds.T)]
     threshold = float(np.median(values)) + parameters.airway_step_hu
+    if threshold >= parameters.airway_wall_hu:
+        raise BadInput(
+            f"air of {np.median(values):.0f} HU at the airway's seeds",
+            f"it is at least airway_step_hu below airway_wall_hu, {parameters.airway_wall_hu:g} HU",
+            "move airway_seeds_patient_mm into the trachea's middle",
+        )
     kept, volume_ml = None, 0.0
     while threshold < parameters.airway_wall_hu:
         grown = grow_below(air, seeds, threshold)

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from nodes.parameters import Parameters
 
@@ -34,6 +34,13 @@ class Box(Parameters):
     highest_patient_mm: Point
     """Its left, posterior, superior corner, LPS mm."""
 
+    @model_validator(mode="after")
+    def _has_room(self) -> "Box":
+        pairs = zip(self.lowest_patient_mm, self.highest_patient_mm, strict=True)
+        if any(low >= high for low, high in pairs):
+            raise ValueError("each of lowest_patient_mm is below that of highest_patient_mm")
+        return self
+
 
 class Disc(Parameters):
     """A piece of a plane, cut round."""
@@ -48,6 +55,12 @@ class Disc(Parameters):
     """Its radius, mm."""
     thickness_mm: PositiveRadius
     """Its thickness, mm; from two voxels on nothing grows through it."""
+
+    @model_validator(mode="after")
+    def _has_direction(self) -> "Disc":
+        if not any(self.normal_patient):
+            raise ValueError("normal_patient has a length above 0")
+        return self
 
 
 Solid = Annotated[Ball | Box | Disc, Field(discriminator="shape")]
@@ -97,6 +110,8 @@ class SegmentCtParameters(Parameters):
     """By how much the threshold rises from step to step while the airway grows, HU."""
     airway_jump_ml: Annotated[float, Field(gt=0, le=1000)]
     """A step that adds more than this has broken into the lung and is undone, ml."""
+    smallest_airway_ml: Volume
+    """A smaller airway is a bronchus or a bubble and no whole airway, ml."""
     largest_airway_ml: Annotated[float, Field(gt=0, le=1000)]
     """No airway holds more air, ml."""
     airway_wall_hu: Annotated[float, Field(ge=-900, le=-150)]
@@ -113,6 +128,8 @@ class SegmentCtParameters(Parameters):
     """Smaller air pockets inside the body are not lung (stomach, bowel), ml."""
     largest_lung_ml: Annotated[float, Field(gt=0, le=20_000)]
     """No lung is larger, ml."""
+    usual_lungs_ml: tuple[Volume, Volume]
+    """Lungs that hold less or more together are told, ml."""
     gas_mean_hu: Annotated[float, Field(ge=-1024, le=-900)]
     """An air pocket with a mean below it is bare gas (stomach, bowel), not lung, HU."""
     coarse_mm: Annotated[float, Field(gt=0, le=10)]
@@ -158,6 +175,10 @@ class SegmentCtParameters(Parameters):
     """Less fluid is not called an effusion, ml."""
     largest_effusion_ml: Volume
     """No effusion of one chest is larger, ml."""
+    skin_mm: Radius
+    """No effusion lies less than this under the skin, mm."""
+    largest_skin_effusion_ml: Volume
+    """More of an effusion so near to the skin is a leak, ml."""
     fat_hu: Annotated[float, Field(ge=-200, le=-30)]
     """Fat, HU; the border between it and fluid lies halfway."""
     bone_threshold_hu: Annotated[float, Field(ge=80, le=700)]
@@ -182,3 +203,13 @@ class SegmentCtParameters(Parameters):
     """How thick the blurred rim around a bone is at most, mm."""
     cortex_hu: Annotated[float, Field(ge=300, le=3071)]
     """Brighter peaks (metal, teeth) count as this when half heights are taken, HU."""
+
+    @property
+    def seeds_patient_mm(self) -> dict[str, tuple[Point, ...]]:
+        """The person's seeds by label."""
+        return {
+            "airway": self.airway_seeds_patient_mm,
+            "left_lung": self.left_lung_seeds_patient_mm,
+            "right_lung": self.right_lung_seeds_patient_mm,
+            "effusion": self.effusion_seeds_patient_mm,
+        }

@@ -4,6 +4,7 @@ import numpy as np
 from jaxtyping import Int, Shaped
 
 from nodes.errors import BadInput
+from nodes.imaging.ct_parameters import SegmentCtParameters
 from nodes.imaging.ct_scan import CtScan, Mask, nearest_index
 
 Point = tuple[float, float, float]
@@ -56,6 +57,20 @@ def seeds_in_tissue(
                 "move the seed or the barrier",
             )
     return seeds
+
+
+def refuse_seeds_outside(scan: CtScan, body: Mask, parameters: SegmentCtParameters) -> None:
+    """Refuse seeds in the image but outside of the body: on the table, in the air around."""
+    for name, points in parameters.seeds_patient_mm.items():
+        for point in np.array(points, float).reshape(-1, 3):
+            seed = nearest_index(scan.patient_from_index, point[None])[0]
+            _refuse_outside(scan, point, seed, name)
+            if not body[tuple(seed)]:
+                raise BadInput(
+                    f"{name} seed {_words(point)} outside of the body",
+                    f"a seed of {name} lies inside the skin",
+                    "move the seed into the tissue that it stands for; patient LPS mm",
+                )
 
 
 def _refuse_outside(

@@ -1,15 +1,17 @@
 """Body, bone, lungs, airway and effusion in a CT, by region growing from seeds."""
 
+from dataclasses import replace
+
 import numpy as np
 from jaxtyping import UInt8
 
 from nodes.errors import BadInput
 from nodes.geometry.grids import LabelMap, Volume
-from nodes.geometry.origin import Origin
 from nodes.imaging.ct_airway import find_airway
 from nodes.imaging.ct_body import find_body
 from nodes.imaging.ct_bone import find_bone
 from nodes.imaging.ct_effusion import find_effusion
+from nodes.imaging.ct_findings import Findings, refuse_findings, refuse_misspelt, tell_findings
 from nodes.imaging.ct_lungs import LEFT, RIGHT, fill_vessels, find_lungs
 from nodes.imaging.ct_parameters import SegmentCtParameters
 from nodes.imaging.ct_scan import CtScan, Mask, turn_of, turned_transform
@@ -19,6 +21,7 @@ from nodes.imaging.hand_corrections import (
     paint_corrections,
     without_given,
 )
+from nodes.imaging.region_growing import refuse_seeds_outside
 
 NAMES = ("body", "bone", "left_lung", "right_lung", "airway", "effusion")
 SIDES = {LEFT: "left_lung", RIGHT: "right_lung"}
@@ -46,6 +49,7 @@ def segment_ct(ct: Volume, given_labels: LabelMap, parameters: SegmentCtParamete
     or a seed, barrier, correction or given label breaks a rule.
     """
     _refuse_other_units(ct)
+    refuse_misspelt(given_labels.names)
     turn = turn_of(ct.patient_from_index)
     patient_from_turned = turned_transform(ct, turn)
     hu = turn.forth(ct.voxels)
@@ -57,9 +61,11 @@ def segment_ct(ct: Volume, given_labels: LabelMap, parameters: SegmentCtParamete
     names = tuple(dict.fromkeys([*looked_for, *given]))
     labels = _painted(masks, names, hu.shape)
     paint_corrections(labels, patient_from_turned, names, parameters.corrections)
-    _refuse_leaks(labels, names, given, scan, parameters)
-    origin = _told(ct.origin, labels, names, given, scan, parameters)
-    return LabelMap(turn.back(labels), ct.patient_from_index, names, origin)
+    found = Findings(labels, names, tuple(given), scan)
+    refuse_findings(found, parameters)
+    origin = replace(ct.origin, simulated=ct.origin.simulated or given_labels.origin.simulated)
+    notices = [*given_labels.origin.notices, *tell_findings(found, parameters)]
+    return LabelMap(turn.back(labels), ct.patient_from_index, names, origin.with_notice(*notices))
 
 
 def _refuse_other_units(ct: Volume) -> None:
@@ -67,7 +73,8 @@ def _refuse_other_units(ct: Volume) -> None:
         raise BadInput(
             f"a volume in {ct.unit}",
             "thresholds in HU need a CT volume in HU",
-            "give the CT as its scanner wrote it; for an MRI use an MRI pipeline",
+            "give the CT as its scanner wrote it, or say with read_volume's hu_offset what makes"
+            " its values HU; for an MRI use the pipelines head_mri or mri",
         )
 
 
@@ -78,6 +85,7 @@ def _masks(
     nothing = np.zeros(scan.hu.shape, bool)
     wanted = [name for name in parameters.labels if name not in given]
     body = given["body"] if "body" in given else find_body(scan, parameters)
+    refuse_seeds_outside(scan, body, parameters)
     free = body & ~scan.closed
     airway = given.get("airway", nothing)
     if "airway" in wanted:
@@ -137,56 +145,3 @@ def _painted(
         if name in names:
             labels[mask] = names.index(name) + 1
     return labels
-
-
-def _refuse_leaks(
-    labels: UInt8[np.ndarray, "x y z"],
-    names: tuple[str, ...],
-    given: dict[str, Mask],
-    scan: CtScan,
-    parameters: SegmentCtParameters,
-) -> None:
-    """Refuse volumes beyond anatomy; what a person has drawn is theirs to answer for."""
-    limits = {
-        "left_lung": parameters.largest_lung_ml,
-        "right_lung": parameters.largest_lung_ml,
-        "airway": parameters.largest_airway_ml,
-        "effusion": parameters.largest_effusion_ml,
-        "bone": parameters.largest_bone_ml,
-    }
-    for name in names:
-        volume = scan.millilitres(int(np.count_nonzero(labels == names.index(name) + 1)))
-        if name in limits and name not in given and volume > limits[name]:
-            raise BadInput(
-                f"{name} of {volume:.0f} ml: the region has leaked",
-                f"no {name} is larger than {limits[name]:g} ml",
-                "put a barrier where it leaks, give seeds, or change the thresholds",
-            )
-
-
-def _told(
-    origin: Origin,
-    labels: UInt8[np.ndarray, "x y z"],
-    names: tuple[str, ...],
-    given: dict[str, Mask],
-    scan: CtScan,
-    parameters: SegmentCtParameters,
-) -> Origin:
-    """Return the origin with all that a reader of the labels must know."""
-    present = np.bincount(labels.ravel(), minlength=len(names) + 1)[1:] > 0
-    absent = [name for name, there in zip(names, present, strict=True) if not there]
-    notices = [f"no {name} found; its label is empty" for name in absent]
-    notices += [f"{name} was given by hand" for name in given]
-    if parameters.corrections:
-        notices.append(f"{len(parameters.corrections)} corrections were made by hand")
-    if "airway" in names and "airway" not in given:
-        notices.append("the airway ends where the bronchi get too small for the scan's voxels")
-    if "left_lung" in names and "airway" not in names:
-        notices.append("air in trachea and bronchi that joins the lungs is counted as lung")
-    metal_ml = scan.millilitres(int(np.count_nonzero(scan.hu[labels > 0] >= parameters.metal_hu)))
-    if metal_ml >= parameters.smallest_metal_ml:
-        notices.append(
-            f"{metal_ml:.1f} ml are as dense as metal and count as bone; streaks around them can"
-            " look like bone or hide it"
-        )
-    return origin.with_notice(*notices)

@@ -131,7 +131,10 @@ def split_unit(column: str) -> tuple[str, str]:
 
 
 def show_value(value: object, decimals: int) -> str:
-    """Return a cell's text; what is missing is a dash, yes and no are words."""
+    """Return a cell's text; what is missing is a dash, yes and no are words.
+
+    A number that is not 0 but would look like it has two significant digits instead.
+    """
     if value is None:
         return MISSING
     if isinstance(value, bool | np.bool_):
@@ -139,7 +142,10 @@ def show_value(value: object, decimals: int) -> str:
     if isinstance(value, Integral):
         return f"{int(value)}"
     if isinstance(value, Real):
-        return f"{value:.{decimals}f}" if isfinite(value) else MISSING
+        if not isfinite(value):
+            return MISSING
+        small = 0 < abs(value) < 0.5 * 10**-decimals
+        return f"{value:.2g}" if small else f"{value:.{decimals}f}"
     return str(value)
 
 

@@ -2,6 +2,7 @@
 
 import gzip
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -15,7 +16,7 @@ import pydicom
 import pytest
 import SimpleITK as sitk
 
-from tests.conftest import ROOT
+from tests.conftest import ROOT, data_folder
 
 SECRETS = {
     "PatientName": "Qwxdoe^Zvjane",
@@ -44,7 +45,10 @@ class Checkout:
 
     def call(self, *words: str, code: int = 0) -> str:
         command = [sys.executable, "-m", "pipelines.cli", *words]
-        done = subprocess.run(command, cwd=self.root, capture_output=True, text=True)
+        environment = os.environ | {"TENDRIL_TEST_DATA": str(data_folder())}
+        done = subprocess.run(
+            command, cwd=self.root, capture_output=True, text=True, env=environment
+        )
         assert done.returncode == code, done.stdout + done.stderr
         return done.stdout + done.stderr
 
@@ -80,7 +84,7 @@ def test_every_artefact_stands_under_its_name_in_a_format_of_the_field(checkout:
     names = {path.name for path in checkout.latest("thorax_phantom").iterdir()}
     assert {"ct.nrrd", "label_map.seg.nrrd", "occupancy_grid.seg.nrrd", "surfaces"} <= names
     assert {"truth.seg.nrrd", "ct_files", "page.html", "run.json"} <= names
-    surfaces = {p.stem for p in (checkout.latest("thorax_phantom") / "surfaces").glob("*.ply")}
+    surfaces = {p.stem[3:] for p in (checkout.latest("thorax_phantom") / "surfaces").glob("*.ply")}
     assert surfaces == {"body", "bone", "left_lung", "right_lung", "airway", "effusion"}
     assert {"distance_field.nrrd", "entry_map.seg.nrrd", "entry_table", "point_cloud"} <= names
 

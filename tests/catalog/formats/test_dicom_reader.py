@@ -34,6 +34,16 @@ def test_the_series_is_known_by_a_hash_of_its_uid():
     assert uid not in repr(plane)
 
 
+def test_two_patients_with_one_uid_are_two_series_and_stay_unnamed():
+    files = {
+        f"{n}.dcm": changed(SeriesInstanceUID="1.2.3", PatientID=who, InstanceNumber=n)
+        for n, who in enumerate(["A-1717", "A-1717", "B-9"])
+    }
+    slices = ImageFilesFormat.decode(files).slices
+    assert [plane.series for plane in slices] == [1, 1, 2]
+    assert "1717" not in repr(slices)
+
+
 def test_what_tells_stacks_apart_is_read_in_words():
     (plane,) = decode(
         changed(

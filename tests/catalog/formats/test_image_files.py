@@ -342,3 +342,35 @@ def test_no_warning_quotes_a_value(caplog, recwarn):
     ImageFilesFormat.decode(files)
     assert caplog.records == []
     assert len(recwarn) == 0
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.float64, ">f4"])
+@pytest.mark.parametrize("strange", [np.nan, np.inf])
+def test_a_nifti_file_with_voxels_that_are_no_number_is_refused(tmp_path, kind, strange):
+    """ITK would read them as 0, which is soft tissue."""
+    values = np.full((4, 5, 6), -700.0, np.float32)
+    image = sitk.GetImageFromArray(values.astype(np.dtype(kind).newbyteorder("=")))
+    path = tmp_path / "a.nii"
+    sitk.WriteImage(image, str(path))
+    content = path.read_bytes()
+    size = np.dtype(kind).itemsize
+    if kind == ">f4":
+        content = swapped_nifti(content)
+    assert ImageFilesFormat.decode({"a.nii": content}).volume is not None
+    spoilt = np.array([strange], kind).tobytes()
+    spoilt = content[:352] + 2 * spoilt + content[352 + 2 * size :]
+    assert len(spoilt) == len(content) == 352 + values.size * size
+    with pytest.raises(BadInput, match="2 voxels are not a number"):
+        ImageFilesFormat.decode({"a.nii": spoilt})
+
+
+def swapped_nifti(content: bytes) -> bytes:
+    """Return a NIfTI-1 float32 file with the other byte order; fields by the standard."""
+    head = np.frombuffer(content[:352], np.uint8).copy()
+    for start, count, size in ((0, 1, 4), (32, 1, 4), (40, 8, 2), (56, 3, 4), (68, 4, 2),
+                               (76, 8, 4), (108, 3, 4), (120, 1, 2), (124, 6, 4), (252, 2, 2),
+                               (256, 18, 4)):  # fmt: skip
+        part = head[start : start + count * size].reshape(count, size)
+        head[start : start + count * size] = part[:, ::-1].ravel()
+    values = np.frombuffer(content[352:], np.uint8).reshape(-1, 4)[:, ::-1]
+    return head.tobytes() + values.tobytes()

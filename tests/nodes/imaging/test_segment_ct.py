@@ -56,7 +56,7 @@ def test_cylinders_are_found(chest, found, name):
 
 def test_a_healthy_chest_has_no_effusion_and_says_so(found):
     assert not found.mask("effusion").any()
-    assert "no effusion found; its label is empty" in found.origin.notices
+    assert any(told.startswith("no effusion found") for told in found.origin.notices)
 
 
 @pytest.mark.parametrize("noise", [5.0, 20.0])
@@ -179,7 +179,7 @@ def test_corrections_have_the_last_word_in_their_order(chest):
     )
     inner, outer = chest.ball((60, 0, 0), 5), chest.ball((60, 0, 0), 12)
     assert (labels.voxels[inner] == 0).all() and (labels.voxels[outer & ~inner] == BONE).all()
-    assert "2 corrections were made by hand" in labels.origin.notices
+    assert "corrections made by hand: 2" in labels.origin.notices
 
 
 @settings(max_examples=6, deadline=None)
@@ -216,7 +216,7 @@ def test_what_must_be_there_and_is_missing_is_named(hu, labels, words):
 def test_what_is_not_looked_for_is_not_missed():
     labels = segment_ct(plain(40), NONE_GIVEN, parameters("segment_head_ct"))
     assert labels.names == ("body", "bone") and (labels.voxels == 1).all()
-    assert "no bone found; its label is empty" in labels.origin.notices
+    assert "the label bone is empty" in labels.origin.notices
 
 
 def test_values_that_are_not_hounsfield_units_are_refused():

@@ -5,6 +5,7 @@ import pytest
 
 from nodes.reporting.colours import colour_names
 from nodes.reporting.show_table import show_table
+from nodes.reporting.tables import show_value
 
 
 class Cells(HTMLParser):
@@ -105,3 +106,9 @@ def test_a_table_without_rows_says_so(cells):
 def test_words_stay_text(cells, hostile):
     found = cells(pandas.DataFrame({hostile: [hostile]}))
     assert [text for *_, text in found] == [hostile.replace("_", " "), hostile]
+
+
+def test_a_small_number_does_not_look_like_none():
+    assert [show_value(v, 1) for v in (0.0117, 0.0, 0.05, -0.04, 12.34)] == [
+        "0.012", "0.0", "0.1", "-0.04", "12.3",
+    ]  # fmt: skip
