@@ -3,9 +3,16 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Bool, Float, Int, UInt8
+from jaxtyping import Bool, Float, Float32, Int, UInt8
 
-from nodes.environment.free_parts import SHARED, boundary_of, choose_part, measure_parts
+from nodes.environment.apart import free_pairs, wall_between
+from nodes.environment.free_parts import (
+    SHARED,
+    boundary_of,
+    choose_part,
+    main_labels,
+    measure_parts,
+)
 from nodes.environment.parameters import BuildOccupancyGridParameters
 from nodes.environment.resampling import resample_mask
 from nodes.errors import BadInput
@@ -19,6 +26,7 @@ if TYPE_CHECKING:
 FREE, BOUNDARY, FIRST_OTHER = 1, 2, 3
 MOST_OTHERS = 250  # labels are bytes
 ML_IN_MM3 = 1000.0
+HALF = 0.5  # of a cell: with as much inside it is free
 
 
 def build_occupancy_grid(
@@ -27,21 +35,24 @@ def build_occupancy_grid(
     """Build S_free and S_bound of [Kuntz2017] Sec. IV-A on cubic cells; all else is S_obs.
 
     A cell is free where at least half of it is inside the free labels. Free cells are connected
-    over faces: a robot cannot pass through an edge or a corner. S_free is the largest part, or
-    the one that holds the given point; S_bound are the obstacle cells next to it. The grid reaches
-    two cells beyond the labels, so S_bound is closed; beyond the grid all is obstacle.
+    over faces: a robot cannot pass through an edge or a corner. Where labels that never communicate
+    touch, the cells on both sides are obstacle. S_free is the largest part, or the one that holds
+    the given point; S_bound are the obstacle cells next to it. The grid reaches two cells beyond
+    the labels, so S_bound is closed; beyond the grid all is obstacle.
 
     Parameters
     ----------
     label_map : anatomy.
-    parameters : the free labels, the size of the cells, what is next to a cell, which part.
+    parameters : the free labels and which of them are apart, the size of the cells, what is next to
+        a cell, which part.
 
     Returns
     -------
     occupancy_grid : "free", "boundary", further free parts by size as "part_2", "part_3", ...
         (where one touches S_free over an edge, its cells stay its own), 0 for obstacle cells.
-    parts_table : one row a free part: `name`, `chosen`, `volume_ml`, `cells`, `boundary_cells`,
-        `boundary_area_cm2`, `centre_x_mm`, `centre_y_mm`, `centre_z_mm` (patient LPS).
+    parts_table : one row a free part: `name`, `label` (the one that most of it is), `chosen`,
+        `volume_ml`, `cells`, `boundary_cells`, `boundary_area_cm2`, `centre_x_mm`, `centre_y_mm`,
+        `centre_z_mm` (patient LPS).
 
     Raises
     ------
@@ -52,7 +63,8 @@ def build_occupancy_grid(
     share, patient_from_index = resample_mask(
         mask, label_map.patient_from_index, parameters.voxel_size_mm
     )
-    parts, sizes = connected_parts(share >= 0.5)
+    share, wall_notices = _keep_apart(share, mask, label_map, patient_from_index, parameters)
+    parts, sizes = connected_parts(share >= HALF)
     if not len(sizes):
         raise _too_small(parameters.free_labels)
     chosen = choose_part(parts, sizes, patient_from_index, parameters)
@@ -60,7 +72,10 @@ def build_occupancy_grid(
     numbers = _numbers_by_size(sizes, chosen, parameters.smallest_part_ml / cell_ml)
     labels, names = _label_cells(parts, numbers, parameters.neighbourhood)
     table = measure_parts(labels, share, names, patient_from_index, parameters.neighbourhood)
+    of_parts = main_labels(labels, names, patient_from_index, label_map, parameters.free_labels)
+    table.insert(1, "label", of_parts)
     notices = [
+        *wall_notices,
         *_grid_notices(mask, parameters, len(numbers)),
         *_volume_notices(mask, label_map, sizes * cell_ml, numbers, parameters),
     ]
@@ -83,6 +98,26 @@ def _free_mask(label_map: LabelMap, wanted: tuple[str, ...]) -> Bool[np.ndarray,
     if not mask.any():
         raise _too_small(wanted)
     return mask
+
+
+def _keep_apart(
+    share: Float32[np.ndarray, "a b c"],
+    mask: Bool[np.ndarray, "i j k"],
+    label_map: LabelMap,
+    patient_from_index: Float[np.ndarray, "4 4"],
+    parameters: BuildOccupancyGridParameters,
+) -> tuple[Float32[np.ndarray, "a b c"], list[str]]:
+    """Empty the cells between labels that never communicate, and say how much that is."""
+    cell_ml = voxel_volume_mm3(patient_from_index) / ML_IN_MM3
+    free, wall, notices = share >= HALF, np.zeros(share.shape, bool), []
+    for pair in free_pairs(parameters):
+        between = wall_between(pair, label_map, mask, free, parameters.voxel_size_mm)
+        cells = np.count_nonzero(between)
+        if cells:
+            notices.append(f"{pair[0]} and {pair[1]} touch: {cells} cells between them"
+                           f" ({cells * cell_ml:.3g} ml) are a wall")  # fmt: skip
+        wall |= between
+    return np.where(wall, np.float32(0), share), notices
 
 
 def _numbers_by_size(sizes: Int[np.ndarray, " n"], chosen: int, smallest_cells: float) -> list[int]:

@@ -12,9 +12,9 @@ from nodes.geometry.frames import transform_points
 if TYPE_CHECKING:
     import pandas
 
-COLUMNS = ("number", "window", "skin_x_mm", "skin_y_mm", "skin_z_mm", "pleura_x_mm", "pleura_y_mm",
-           "pleura_z_mm", "direction_x", "direction_y", "direction_z", "wall_thickness_mm",
-           "bone_clearance_mm", "tilt_deg", "side", "face")  # fmt: skip
+COLUMNS = ("number", "window", "part", "skin_x_mm", "skin_y_mm", "skin_z_mm", "pleura_x_mm",
+           "pleura_y_mm", "pleura_z_mm", "direction_x", "direction_y", "direction_z",
+           "wall_thickness_mm", "bone_clearance_mm", "tilt_deg", "side", "face")  # fmt: skip
 
 DECIMALS = 4  # that count in comparing needles: the rest is noise, which must not order them
 
@@ -37,28 +37,41 @@ class Needles(NamedTuple):
 
 
 def list_entries(
+    found: list[tuple[Needles, NeedleSpace]], parameters: FindEntryCorridorsParameters
+) -> "pandas.DataFrame":
+    """Return one row for each chosen needle, the best first; each part chooses for itself."""
+    import pandas
+
+    table = pandas.concat([_rows(*one, parameters) for one in found], ignore_index=True)
+    clearance, thickness = (
+        table[name].to_numpy() for name in ("bone_clearance_mm", "wall_thickness_mm")
+    )
+    order = _best_first(clearance, thickness, parameters.enough_clearance_mm)
+    table = table.iloc[order].reset_index(drop=True)
+    table["number"] = np.arange(1, len(table) + 1)
+    return table
+
+
+def _rows(
     needles: Needles, space: NeedleSpace, parameters: FindEntryCorridorsParameters
 ) -> "pandas.DataFrame":
-    """Return one row for each chosen needle, the best first."""
     import pandas
 
     chosen = _spaced(needles, parameters)
+    tips = needles.pleura + parameters.tip_depth_mm * needles.direction
     clearance = np.array([
-        _bone_clearance(needles.skin[n], needles.pleura[n], space, parameters.thickest_wall_mm)
+        _bone_clearance(needles.skin[n], tips[n], space, parameters.thickest_wall_mm)
         for n in chosen
     ]) - parameters.needle_radius_mm  # fmt: skip
-    thickness = np.linalg.norm(needles.pleura[chosen] - needles.skin[chosen], axis=1)
-    order = _best_first(clearance, thickness, parameters.enough_clearance_mm)
-    chosen, clearance = chosen[order], clearance[order]
     turn = space.patient_from_grid[:3, :3].T
     skin = transform_points(space.patient_from_grid, needles.skin[chosen])
     pleura = transform_points(space.patient_from_grid, needles.pleura[chosen])
     normal = needles.normal[chosen] @ turn
     cosine = np.einsum("ni,ni->n", needles.direction[chosen], needles.normal[chosen])
     columns = (
-        np.arange(1, len(chosen) + 1), needles.window[chosen], *skin.T, *pleura.T,
-        *(needles.direction[chosen] @ turn).T, np.linalg.norm(pleura - skin, axis=1), clearance,
-        np.degrees(np.arccos(np.clip(cosine, -1, 1))),
+        np.zeros(len(chosen), int), needles.window[chosen], [space.part] * len(chosen), *skin.T,
+        *pleura.T, *(needles.direction[chosen] @ turn).T, np.linalg.norm(pleura - skin, axis=1),
+        clearance, np.degrees(np.arccos(np.clip(cosine, -1, 1))),
         np.where(skin[:, 0] > space.middle[0], "left", "right").astype(str), _faces(normal),
     )  # fmt: skip
     return pandas.DataFrame(dict(zip(COLUMNS, columns, strict=True)))
@@ -90,20 +103,20 @@ def _spaced(needles: Needles, parameters: FindEntryCorridorsParameters) -> Int[n
 
 
 def _bone_clearance(
-    skin: Float[np.ndarray, "3"], pleura: Float[np.ndarray, "3"], space: NeedleSpace, most_mm: float
+    skin: Float[np.ndarray, "3"], tip: Float[np.ndarray, "3"], space: NeedleSpace, most_mm: float
 ) -> float:
-    """Return the exact distance of a needle's axis within the wall to the nearest bone voxel's
+    """Return the exact distance of a needle's axis, from skin to tip, to the nearest bone voxel's
     box, or `most_mm` where there is none within that."""
     from nodes.kernels.needle_rays import segment_clearance
 
     reach, clearance = 5.0, np.inf
     while clearance > reach and reach < most_mm:
         reach = min(2 * reach, most_mm)
-        low = np.floor((np.minimum(skin, pleura) - reach) / space.spacing).astype(int)
-        high = np.ceil((np.maximum(skin, pleura) + reach) / space.spacing).astype(int) + 1
+        low = np.floor((np.minimum(skin, tip) - reach) / space.spacing).astype(int)
+        high = np.ceil((np.maximum(skin, tip) + reach) / space.spacing).astype(int) + 1
         box = tuple(slice(max(a, 0), max(b, 0)) for a, b in zip(low, high, strict=True))
         bone = (np.argwhere(space.bone[box]) + np.maximum(low, 0)) * space.spacing
-        clearance = segment_clearance(skin, pleura, bone, space.spacing / 2)
+        clearance = segment_clearance(skin, tip, bone, space.spacing / 2)
     return float(min(clearance, most_mm))
 
 

@@ -16,6 +16,7 @@ from nodes.environment.needle_space import (
     cut_needle_space,
 )
 from nodes.environment.needle_starts import cone_directions, skin_points
+from nodes.environment.needle_tips import tips_in_cells
 from nodes.environment.parameters import FindEntryCorridorsParameters
 from nodes.geometry.grids import LabelMap
 
@@ -30,6 +31,8 @@ UNKNOWN = (
     "heart, great vessels, liver, diaphragm and rib cartilage are no labels: that a corridor"
     " avoids them is not checked, only the wall's thickness is limited"
 )
+NO_BONE = "no bone is labelled: no entry corridor can be called safe"
+NO_WAY = "no straight needle can pass the wall under these limits"
 
 
 def find_entry_corridors(
@@ -39,13 +42,15 @@ def find_entry_corridors(
 
     Points of the skin and directions in a cone about its inward normal are tried. A needle may pass
     if its axis goes from outside through nothing but wall labels, on at most the thickest wall,
-    into S_free, goes on there for the tip's depth, and keeps the needle's radius and the margin
-    from every voxel box of bone and of all other labels.
+    into S_free or another free part, goes on there for the tip's depth, and keeps the needle's
+    radius and the margin from every voxel box of bone, of all other labels and of all other parts.
+    The tip is in cells of that part; only on the first cell's diagonal behind the place where the
+    labels become free may it be in boundary cells, as cells are free by halves.
 
     Parameters
     ----------
     label_map : anatomy, in which all inside the skin has a label.
-    occupancy_grid : made from the label map; its "free" cells are to be reached.
+    occupancy_grid : made from the label map; its "free" cells and further parts are to be reached.
     parameters : needle, margins, how finely is tried.
 
     Returns
@@ -54,35 +59,50 @@ def find_entry_corridors(
         the wall that a needle may pass; as fine as `skin_spacing_mm`.
     entry_table : one row an entry, first those with enough room beside them by the wall's
         thickness, then the others by room: `number`, `window` (openings through which needles reach
-        connected places of the free space; 1 has most needles), skin and pleura point and direction
-        (patient LPS, mm), `wall_thickness_mm`, `bone_clearance_mm` (between the needle's side and
-        the nearest bone voxel; where bone is far, at least that), `tilt_deg` from the normal,
-        `side` ("left", "right" of the body's middle), `face` ("front", "back", "side", "top",
-        "bottom"). Empty, with notice, where there is no bone label or no opening.
+        connected places of one part; 1 has most needles), `part` (that is reached: "free" is where
+        the robot moves), skin and pleura point and direction (patient LPS, mm),
+        `wall_thickness_mm`, `bone_clearance_mm` (between the side of needle and tip and the nearest
+        bone voxel; where bone is far, at least that), `tilt_deg` from the normal, `side` ("left",
+        "right" of the body's middle), `face` ("front", "back", "side", "top", "bottom"). Empty,
+        with notice, where there is no bone label or no opening.
 
     Raises
     ------
     BadInput where a wall label is unknown or the grids do not belong together.
     """
-    space = cut_needle_space(label_map, occupancy_grid, parameters)
     voxels = np.zeros(label_map.voxels.shape, np.uint8)
     origin = label_map.origin.with_notice(UNKNOWN)
-    if not space.bone.any():
-        origin = origin.with_notice("no bone is labelled: no entry corridor can be called safe")
+    found, any_bone = [], False
+    for part in occupancy_grid.names:
+        if part == "boundary":
+            continue
+        space = cut_needle_space(label_map, occupancy_grid, part, parameters)
+        needles = _admissible(space, parameters) if space.bone.any() else None
+        any_bone |= needles is not None
+        if needles is not None and len(needles.skin):
+            found.append((needles, space))
+            _mark(voxels[space.box], _draw(needles, space, parameters))
+    if not found:
+        missing = NO_WAY if any_bone else NO_BONE
+        origin = origin.with_notice(missing)
         return LabelMap(voxels, label_map.patient_from_index, NAMES, origin), _empty_table()
-    needles = _admissible(space, parameters)
-    if not len(needles.skin):
-        origin = origin.with_notice("no straight needle can pass the wall under these limits")
-        return LabelMap(voxels, label_map.patient_from_index, NAMES, origin), _empty_table()
-    voxels[space.box] = _draw(needles, space, parameters)
-    table = list_entries(needles, space, parameters)
+    if len(found) > 1:
+        origin = origin.with_notice(f"entries lead into {len(found)} separate parts of the free"
+                                    ' space; the robot moves in the one named "free"')  # fmt: skip
+    table = list_entries(_number_windows(found), parameters)
     return LabelMap(voxels, label_map.patient_from_index, NAMES, origin), table
+
+
+def _mark(voxels: UInt8[np.ndarray, "i j k"], drawn: UInt8[np.ndarray, "i j k"]) -> None:
+    """Add what is drawn for one part; where another part has a corridor, an entry is shown."""
+    voxels[drawn == ENTRY] = ENTRY
+    voxels[(drawn == CORRIDOR) & (voxels == 0)] = CORRIDOR
 
 
 def _empty_table() -> "pandas.DataFrame":
     import pandas
 
-    whole, words = ("number", "window"), ("side", "face")
+    whole, words = ("number", "window"), ("part", "side", "face")
     types = {c: int if c in whole else str if c in words else float for c in COLUMNS}
     return pandas.DataFrame({c: pandas.Series(dtype=t) for c, t in types.items()})
 
@@ -95,8 +115,10 @@ def _admissible(space: NeedleSpace, parameters: FindEntryCorridorsParameters) ->
     starts = skin[:, None] - run_up * directions
     ways, nearest = _trace(starts, directions, space, parameters)
     point, way = np.nonzero(~np.isnan(ways[..., 1]))
+    reached = starts[point, way] + ways[point, way, 1][:, None] * directions[point, way]
+    kept = tips_in_cells(reached, directions[point, way], space, parameters.tip_depth_mm)
+    point, way, reached = point[kept], way[kept], reached[kept]
     start, direction = starts[point, way], directions[point, way]
-    reached = start + ways[point, way, 1][:, None] * direction
     return Needles(
         skin=start + ways[point, way, 0][:, None] * direction,
         pleura=reached,
@@ -148,12 +170,22 @@ def _windows(pleura: Float[np.ndarray, "n 3"], cell_mm: float) -> Int[np.ndarray
     cells -= cells.min(axis=0)
     reached = np.zeros(cells.max(axis=0) + 1, bool)
     reached[tuple(cells.T)] = True
-    parts, count = ndimage.label(reached, np.ones((3, 3, 3), bool))
-    part = parts[tuple(cells.T)]
-    by_size = np.argsort(-np.bincount(part, minlength=count + 1)[1:], kind="stable")
-    number = np.empty(count, int)
-    number[by_size] = np.arange(1, count + 1)
-    return number[part - 1]
+    parts, _ = ndimage.label(reached, np.ones((3, 3, 3), bool))
+    return parts[tuple(cells.T)].astype(int)
+
+
+def _number_windows(
+    found: list[tuple[Needles, NeedleSpace]],
+) -> list[tuple[Needles, NeedleSpace]]:
+    """Number the openings of all parts together from 1, those with most needles first."""
+    ends = np.cumsum([needles.window.max() for needles, _ in found])
+    windows = [n.window - 1 + end - n.window.max() for (n, _), end in zip(found, ends, strict=True)]
+    number = np.empty(ends[-1], int)
+    number[np.argsort(-np.bincount(np.concatenate(windows)), kind="stable")] = np.arange(ends[-1])
+    return [
+        (needles._replace(window=number[window] + 1), space)
+        for (needles, space), window in zip(found, windows, strict=True)
+    ]
 
 
 def _draw(

@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float, Float32, Int, UInt8
 from nodes.environment.parameters import BuildOccupancyGridParameters
 from nodes.errors import BadInput
 from nodes.geometry.frames import transform_points
-from nodes.geometry.grids import spacing_mm, voxel_volume_mm3
+from nodes.geometry.grids import LabelMap, spacing_mm, voxel_volume_mm3
 
 if TYPE_CHECKING:
     import pandas
@@ -97,6 +97,35 @@ def measure_parts(
         area_cm2 = _area_mm2(part, share[box], spacing_mm(patient_from_index)) / CM2_IN_MM2
         rows.append((name, name == "free", cells * cell_ml, cells, boundary, area_cm2, x, y, z))
     return pandas.DataFrame(rows, columns=list(COLUMNS))
+
+
+def main_labels(
+    labels: UInt8[np.ndarray, "a b c"],
+    names: tuple[str, ...],
+    patient_from_index: Affine,
+    label_map: LabelMap,
+    free_labels: tuple[str, ...],
+) -> list[str]:
+    """Return for each free part, in order, the free label in which most of its cells' centres lie.
+
+    Parameters
+    ----------
+    labels : cells of an occupancy grid.
+    names : of its labels.
+    patient_from_index : of the cells, whose axes are those of the label map.
+    label_map : anatomy from which the grid is made.
+    free_labels : names of the labels of which parts are made.
+    """
+    index_from_cell = np.linalg.inv(label_map.patient_from_index) @ patient_from_index
+    places = [
+        np.clip(np.rint(np.arange(n) * index_from_cell[a, a] + index_from_cell[a, 3]), 0, most - 1)
+        for a, (n, most) in enumerate(zip(labels.shape, label_map.voxels.shape, strict=True))
+    ]
+    at_cells = label_map.voxels[np.ix_(*(place.astype(int) for place in places))]
+    counts = np.bincount((labels.astype(np.uint16) * 256 + at_cells).ravel(), minlength=256 * 256)
+    of_free = counts.reshape(256, 256)[:, [label_map.names.index(n) + 1 for n in free_labels]]
+    numbers = [n for n, name in enumerate(names, start=1) if name != "boundary"]
+    return [free_labels[int(n)] for n in of_free[numbers].argmax(axis=1)]
 
 
 def _area_mm2(

@@ -18,7 +18,7 @@ OUTSIDE, WALL, FREE, FORBIDDEN = 0, 1, 2, 3
 
 
 class NeedleSpace(NamedTuple):
-    """A box of voxels around the free space, with the widest wall around it.
+    """A box of voxels around one part of the free space, with the widest wall around it.
 
     kinds : what each voxel is to a needle.
     bone : voxels of bone.
@@ -28,6 +28,9 @@ class NeedleSpace(NamedTuple):
     middle : of the whole body's extent, patient LPS mm.
     patient_from_grid : millimetres along the voxel axes from the first voxel of the box's centre,
         to patient LPS mm.
+    part : name of the part.
+    cells : cells of the part in the occupancy grid.
+    cell_from_grid : the same millimetres to indices of these cells.
     """
 
     kinds: UInt8[np.ndarray, "i j k"]
@@ -37,16 +40,22 @@ class NeedleSpace(NamedTuple):
     box: tuple[slice, slice, slice]
     middle: Float[np.ndarray, "3"]
     patient_from_grid: Float[np.ndarray, "4 4"]
+    part: str
+    cells: Bool[np.ndarray, "a b c"]
+    cell_from_grid: Float[np.ndarray, "4 4"]
 
 
 def cut_needle_space(
-    label_map: LabelMap, occupancy_grid: LabelMap, parameters: FindEntryCorridorsParameters
+    label_map: LabelMap,
+    occupancy_grid: LabelMap,
+    part: str,
+    parameters: FindEntryCorridorsParameters,
 ) -> NeedleSpace:
-    """Cut out the voxels that a needle can meet and say what each is to it.
+    """Cut out the voxels that a needle to a part can meet and say what each is to it.
 
     The labels that the grid was made free by are known by their place: more than half of each lies
-    in cells of a free part. Free are these labels in cells of S_free or next to it; their other
-    parts, and all labels that are neither free nor wall, are forbidden.
+    in cells of a free part. Free are these labels in cells of the wanted part or next to it; their
+    other parts, and all labels that are neither free nor wall, are forbidden.
 
     Raises
     ------
@@ -57,7 +66,7 @@ def cut_needle_space(
     kind_of[_numbers(label_map, parameters.wall_labels)] = WALL
     cells = _cells_of_voxels(label_map, occupancy_grid)
     kind_of[_free_numbers(label_map, occupancy_grid, cells)] = FREE
-    free = occupancy_grid.mask("free")
+    free = occupancy_grid.mask(part)
     near = np.pad(free | boundary_of(free, "corners"), 1)
     spacing = spacing_mm(label_map.patient_from_index)
     box = _box_around(near, cells, parameters.thickest_wall_mm, spacing)
@@ -72,8 +81,9 @@ def cut_needle_space(
     patient_from_grid[:3, 3] += patient_from_grid[:3, :3] @ [side.start for side in box]
     patient_from_grid[:3, :3] /= spacing
     distance = distance_to_faces(kinds == FORBIDDEN, spacing)
-    middle = _middle(label_map)
-    return NeedleSpace(kinds, bone, distance, spacing, box, middle, patient_from_grid)
+    cell_from_grid = np.linalg.inv(occupancy_grid.patient_from_index) @ patient_from_grid
+    return NeedleSpace(kinds, bone, distance, spacing, box, _middle(label_map), patient_from_grid,
+                       part, free, cell_from_grid)  # fmt: skip
 
 
 def _middle(label_map: LabelMap) -> Float[np.ndarray, "3"]:

@@ -16,6 +16,10 @@ class BuildOccupancyGridParameters(Parameters):
 
     free_labels: Annotated[tuple[Name, ...], Field(min_length=1)]
     """Names of the labels whose inside together is free; everything else is obstacle."""
+    apart: tuple[tuple[Name, Name], ...]
+    """Pairs of labels that never communicate, as the two pleural sacs: where both are free and
+    touch, the cells between them are a wall. Pairs that are not both free do not count; a third
+    free label between the two may still join them."""
     voxel_size_mm: CellSize
     """Edge of the cubic cells, mm."""
     neighbourhood: Literal["faces", "edges", "corners"]

@@ -10,7 +10,10 @@ Affine = Float[np.ndarray, "4 4"]
 
 
 def resample_mask(
-    mask: Bool[np.ndarray, "i j k"], patient_from_index: Affine, voxel_size_mm: float
+    mask: Bool[np.ndarray, "i j k"],
+    patient_from_index: Affine,
+    voxel_size_mm: float,
+    box: tuple[slice, slice, slice] | None = None,
 ) -> tuple[Float32[np.ndarray, "a b c"], Affine]:
     """Resample the part of a mask that is not empty to cubic cells along the same axes.
 
@@ -22,13 +25,15 @@ def resample_mask(
     mask : not empty.
     patient_from_index : of the mask.
     voxel_size_mm : edge of the cells.
+    box : part of the mask that is resampled; None for all that is not empty. Masks with one box
+        come to the same cells.
 
     Returns
     -------
     share : share of each cell that is mask, 0 to 1; 0 in the outermost two layers of cells.
     patient_from_index : of the cells, patient LPS mm.
     """
-    box = bounding_box(mask)
+    box = bounding_box(mask) if box is None else box
     spacing = spacing_mm(patient_from_index)
     share = mask[box].astype(np.float32)
     first_cells = []

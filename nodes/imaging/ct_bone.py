@@ -30,12 +30,13 @@ def _without_bloom(bright: Mask, scan: CtScan, box: Box, parameters: SegmentCtPa
     """Peel off what is bright only by the blur of the bone beside it.
 
     The border between cortex and soft tissue lies at half their height, which for dense cortex is
-    far above the threshold that finds spongy bone; the peak is taken nearby.
+    far above the threshold that finds spongy bone; the peak is taken nearby, in thick slices from
+    the next slice at least: there lies the bone whose part volume brightens this one.
     """
     from scipy import ndimage
 
     hu = scan.hu[box]
-    size = [2 * int(parameters.cortex_reach_mm / float(step)) + 1 for step in scan.spacing]
+    size = [2 * max(1, int(parameters.cortex_reach_mm / float(step))) + 1 for step in scan.spacing]
     peak = np.minimum(ndimage.maximum_filter(hu, size=size), np.int16(parameters.cortex_hu))
     bone = bright.copy()
     for _ in range(max(1, round(parameters.bone_bloom_mm / float(scan.spacing.min())))):
@@ -49,17 +50,15 @@ def _marrow(bone: Mask, scan: CtScan, box: Box, parameters: SegmentCtParameters)
     """Return what bone surrounds in two of the three planes, or in one if it is spongy bone.
 
     The spinal canal is surrounded in one only and darker than spongy bone, and the skull's inside
-    is too large. Gaps in the cortex as wide as a voxel are closed to look for the marrow.
+    is too large. Narrow gaps in the cortex are closed to look for the marrow.
     """
-    step = float(scan.spacing.max())
-    closed = close_mask(bone, max(parameters.bone_closing_mm, step), scan.spacing)
+    closed = close_mask(bone, parameters.bone_closing_mm, scan.spacing)
     votes = np.zeros(bone.shape, np.uint8)
     for axis in range(3):
         votes += _votes(plane_hole_parts(closed, axis), scan.hu[box], axis, scan, parameters)
     marrow = votes >= 2
-    rest = grow_mask(marrow, max(parameters.bone_closing_mm, step), scan.spacing) & closed
-    narrow = close_mask(bone, parameters.bone_closing_mm, scan.spacing)
-    return marrow | rest | (narrow & (scan.hu[box] >= parameters.spongy_hu))
+    rest = grow_mask(marrow, parameters.bone_closing_mm, scan.spacing) & closed
+    return marrow | rest | (closed & (scan.hu[box] >= parameters.spongy_hu))
 
 
 def _votes(

@@ -88,6 +88,12 @@ class SegmentCtParameters(Parameters):
     """Tissue is at or above it and air below it when the body is cut out, HU."""
     table_opening_mm: Radius
     """What is thinner than twice this in the axial plane does not join body and table, mm."""
+    table_edge_mm: Radius
+    """A table is told by edges this wide on either side of the body, mm; 0: none is looked for."""
+    table_straightness_mm: Radius
+    """How far a table's top may lie off a straight line, mm."""
+    table_slices_share: Annotated[float, Field(gt=0.5, le=1)]
+    """Least share of the slices, and of an edge's width, in which a table is seen, no unit."""
     smallest_limb_bone_ml: Volume
     """A part beside the trunk belongs to the body if it holds this much bone, ml."""
     smoothing_mm: Annotated[float, Field(ge=0, le=5)]

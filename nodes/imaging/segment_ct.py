@@ -8,7 +8,7 @@ from jaxtyping import UInt8
 from nodes.errors import BadInput
 from nodes.geometry.grids import LabelMap, Volume
 from nodes.imaging.ct_airway import find_airway
-from nodes.imaging.ct_body import find_body
+from nodes.imaging.ct_body import find_body, table_notices
 from nodes.imaging.ct_bone import find_bone
 from nodes.imaging.ct_effusion import find_effusion
 from nodes.imaging.ct_findings import Findings, refuse_findings, refuse_misspelt, tell_findings
@@ -65,6 +65,8 @@ def segment_ct(ct: Volume, given_labels: LabelMap, parameters: SegmentCtParamete
     refuse_findings(found, parameters)
     origin = replace(ct.origin, simulated=ct.origin.simulated or given_labels.origin.simulated)
     notices = [*given_labels.origin.notices, *tell_findings(found, parameters)]
+    if "body" not in given:
+        notices += table_notices(scan, labels > 0, parameters)
     return LabelMap(turn.back(labels), ct.patient_from_index, names, origin.with_notice(*notices))
 
 

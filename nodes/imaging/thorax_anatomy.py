@@ -62,7 +62,8 @@ def bend(points: Points, build: Build) -> Points:
 
 def paint_trunk(canvas: Canvas, build: Build) -> None:
     """Table, skin and fat, muscles, the organs below the diaphragm, and fat between the lungs."""
-    paint(canvas, [box((0, 134 / build.depth, 0), (220, 10 / build.depth, 500))], TABLE, 0)
+    half = 10 / build.depth  # of the table's height; its top touches the back of any build
+    paint(canvas, [box((0, SKIN[1] + half, 0), (220, half, 500))], TABLE, 0)
     paint(canvas, [ellipsoid((0, 0, 0), SKIN)], FAT, BODY)
     muscles = (MUSCLES[0] - build.fat_mm, MUSCLES[1] - build.fat_mm, MUSCLES[2])
     paint(canvas, [ellipsoid((0, 0, 0), muscles)], MUSCLE, BODY)

@@ -38,8 +38,8 @@ def trace_needles(starts, directions, kinds, distance, spacing, rules, found, ne
     rules : NeedleRules.
     found : (n, d, 2) float64, written: way from the start to the skin and to the free space, mm;
         nan where the needle may not pass.
-    nearest : (n, d) float64, written: distance of the axis within the wall from forbidden voxels,
-        mm, at voxel centres along it.
+    nearest : (n, d) float64, written: distance of the axis from the skin to the tip from forbidden
+        voxels, mm, at voxel centres along it.
     """
     for n in range(starts.shape[0]):
         for d in range(directions.shape[1]):
@@ -80,8 +80,7 @@ def _trace(start, direction, kinds, distance, spacing, rules):
         ):
             return refused
         if skin == skin:
-            if pleura != pleura:
-                least = min(least, distance[i, j, k])
+            least = min(least, distance[i, j, k])
             if _is_near(x, y, z, i, j, k, kinds, distance, spacing, rules):
                 return refused
         way += rules.step

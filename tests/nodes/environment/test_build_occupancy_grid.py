@@ -22,6 +22,7 @@ NEIGHBOURS = {"faces": 6, "edges": 18, "corners": 26}
 def parameters(size, labels=("lungs",), **changed):
     values = {
         "free_labels": labels,
+        "apart": (),
         "voxel_size_mm": size,
         "neighbourhood": "faces",
         "inside_patient_mm": (),

@@ -57,9 +57,12 @@ def chest_wall(half_slit, matrix=None, names=NAMES):
     return LabelMap(voxels, matrix, names, Origin("test", simulated=True))
 
 
-def occupancy(label_map):
+CELL = 1.5
+
+
+def occupancy(label_map, free=("effusion",), apart=()):
     chosen = BuildOccupancyGridParameters(
-        free_labels=("effusion",), voxel_size_mm=1.5, neighbourhood="faces",
+        free_labels=free, apart=apart, voxel_size_mm=CELL, neighbourhood="faces",
         inside_patient_mm=(), smallest_part_ml=0.1, volume_tolerance=0.1,
     )  # fmt: skip
     return build_occupancy_grid(label_map, chosen)[0]
@@ -92,13 +95,19 @@ def labels_at(label_map, points):
     return label_map.voxels[tuple(index.T)]
 
 
+def tip_places(row, depth, count=400):
+    """Places along the tip, from where the needle reaches the free space on."""
+    return places(row, 2)[1] + np.linspace(0, depth, count)[:, None] * direction(row)
+
+
 def check_every_row(label_map, table, chosen):
     assert len(table)
     for row in table.to_dict("records"):
         points = places(row)
-        wall = distance_to(label_map, BONE, points)
-        assert wall.min() >= RADIUS + MARGIN - 1e-6
-        assert row["bone_clearance_mm"] == pytest.approx(wall.min() - RADIUS, abs=0.05)
+        whole = np.concatenate([points, tip_places(row, chosen.tip_depth_mm, 100)])
+        bone = distance_to(label_map, BONE, whole)
+        assert bone.min() >= RADIUS + MARGIN - 1e-6
+        assert row["bone_clearance_mm"] == pytest.approx(bone.min() - RADIUS, abs=0.05)
         assert set(labels_at(label_map, points[2:-4])) == {BODY}
         assert labels_at(label_map, places(row, 3)[2:] + 0.3 * direction(row)) == EFFUSION
         thickness = np.linalg.norm(points[-1] - points[0])
@@ -200,6 +209,71 @@ def test_a_lung_before_the_fluid_is_not_passed():
     assert len(table)
     lung_ends = 19.5 * SPACING[0]
     assert (table.pleura_x_mm - lung_ends).min() >= RADIUS + MARGIN - 1e-6
+
+
+def pitted(seed=0):
+    """A wall with a knob of bone in the fluid behind it, and blocks of wall like diaphragm."""
+    label_map = chest_wall(6)
+    voxels = label_map.voxels.copy()
+    voxels[10:14, 42:46, 14:17] = BONE
+    random = np.random.default_rng(seed)
+    for i, k in zip(random.integers(0, 38, 12), random.integers(0, 30, 12), strict=True):
+        voxels[i : i + 3, 44:48, k : k + 2] = BODY
+    return LabelMap(voxels, label_map.patient_from_index, NAMES, label_map.origin)
+
+
+def test_bone_behind_the_wall_counts_in_the_clearance_of_the_tip():
+    label_map = pitted()
+    _, table = search(label_map, candidate_spacing_mm=3.0)
+    at_tip = 0
+    for row in table.to_dict("records")[::3]:
+        wall = distance_to(label_map, BONE, places(row)).min()
+        tip = distance_to(label_map, BONE, tip_places(row, 4.0)).min()
+        assert row["bone_clearance_mm"] == pytest.approx(min(wall, tip) - RADIUS, abs=0.02)
+        at_tip += tip < wall - 0.1
+    assert at_tip  # else this shows nothing
+
+
+@pytest.mark.parametrize("depth", [1.0, 4.0, 7.0])
+@pytest.mark.parametrize("seed", [0, 1])
+def test_tips_end_free_and_leave_the_boundary_within_a_cells_diagonal(seed, depth):
+    label_map = pitted(seed)
+    grid = occupancy(label_map)
+    chosen = parameters(candidate_spacing_mm=3.0, tip_depth_mm=depth)
+    _, table = find_entry_corridors(label_map, grid, chosen)
+    free = grid.names.index("free") + 1
+    assert len(table)
+    for row in table.to_dict("records"):
+        behind = tip_places(row, depth, 1500)[int(1500 * CELL * 3**0.5 / depth) + 1 :]
+        assert (labels_at(grid, behind) == free).all()
+        assert labels_at(grid, tip_places(row, depth)[-1:]) == free
+        assert row["part"] == "free"
+
+
+def two_lungs(turned=False):
+    """The wall with its slit before two spaces that touch in the middle of x."""
+    label_map = chest_wall(4)
+    voxels = label_map.voxels.copy()
+    voxels[voxels == EFFUSION] = 3
+    voxels[22:, 39:65] = 4
+    names = ("body", "bone", "left_lung", "right_lung")
+    voxels = voxels[::-1] if turned else voxels
+    return LabelMap(np.ascontiguousarray(voxels), rigid(), names, label_map.origin)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_entries_lead_into_each_of_two_lungs_and_keep_away_from_the_other(turned):
+    label_map = two_lungs(turned)
+    lungs = ("left_lung", "right_lung")
+    grid = occupancy(label_map, lungs, (lungs,))
+    entry_map, table = find_entry_corridors(label_map, grid, parameters())
+    assert set(table.part) == {"free", "part_2"} and set(table.window) == {1, 2}
+    assert any("into 2 separate parts" in notice for notice in entry_map.origin.notices)
+    for row in table.to_dict("records"):
+        own, other = (3, 4) if row["part"] == "free" else (4, 3)
+        assert (labels_at(label_map, tip_places(row, 4.0)[20:]) == own).all()
+        assert distance_to(label_map, other, places(row)).min() >= RADIUS + MARGIN - 1e-6
+        assert (labels_at(entry_map, places(row)[2:-4]) > 0).mean() > 0.95
 
 
 def test_limits_on_wall_and_tip_are_kept():

@@ -8,7 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from nodes.environment.free_parts import boundary_of, measure_parts
+from nodes.environment.free_parts import boundary_of, main_labels, measure_parts
+from nodes.geometry.grids import LabelMap
+from nodes.geometry.origin import Origin
 
 
 @settings(max_examples=40, deadline=None)
@@ -40,3 +42,22 @@ def test_a_cylinders_row_has_its_volume_area_and_centre_on_a_turned_grid():
     assert row["boundary_area_cm2"] == pytest.approx(area_mm2 / 100, rel=0.03)
     centre = matrix @ [29.5, 29.5, 19.5, 1]
     assert [row[f"centre_{a}_mm"] for a in "xyz"] == pytest.approx(list(centre[:3]))
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(0, 10_000))
+def test_a_part_has_the_label_that_most_of_its_cells_centres_lie_in(seed):
+    random = np.random.default_rng(seed)
+    voxels = random.integers(0, 4, (6, 5, 4)).astype(np.uint8)
+    labels = random.integers(0, 5, (9, 8, 7)).astype(np.uint8)
+    grid = LabelMap(voxels, np.diag([2.0, 3.0, 2.5, 1.0]), ("body", "a", "b"), Origin("test"))
+    cells = np.diag([1.3, 1.3, 1.3, 1.0])
+    cells[:3, 3] = random.uniform(-3, 3, 3)
+    names = ("free", "boundary", "part_2", "part_3")
+    found = main_labels(labels, names, cells, grid, ("b", "a"))
+    for number, name in zip((1, 3, 4), found, strict=True):
+        places = np.argwhere(labels == number) * 1.3 + cells[:3, 3]
+        nearest = abs(places[:, None] - np.argwhere(voxels >= 0) * [2.0, 3.0, 2.5])
+        at = voxels.ravel()[nearest.sum(axis=2).argmin(axis=1)]
+        counts = {"a": (at == 2).sum(), "b": (at == 3).sum()}
+        assert counts[name] == max(counts.values())

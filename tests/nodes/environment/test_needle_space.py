@@ -42,7 +42,7 @@ def anatomy():
 
 def occupancy(label_map):
     chosen = BuildOccupancyGridParameters(
-        free_labels=("effusion",), voxel_size_mm=1.0, neighbourhood="faces",
+        free_labels=("effusion",), apart=(), voxel_size_mm=1.0, neighbourhood="faces",
         inside_patient_mm=(), smallest_part_ml=0.0, volume_tolerance=0.5,
     )  # fmt: skip
     return build_occupancy_grid(label_map, chosen)[0]
@@ -50,7 +50,7 @@ def occupancy(label_map):
 
 def test_each_voxel_is_what_its_label_and_part_say():
     label_map = anatomy()
-    space = cut_needle_space(label_map, occupancy(label_map), parameters(thickest=50.0))
+    space = cut_needle_space(label_map, occupancy(label_map), "free", parameters(thickest=50.0))
     labels = label_map.voxels[space.box]
     assert space.kinds.shape == label_map.voxels.shape
     chosen = np.zeros(labels.shape, bool)
@@ -62,7 +62,7 @@ def test_each_voxel_is_what_its_label_and_part_say():
 
 def test_the_box_holds_all_within_the_widest_wall_and_knows_its_place():
     label_map = anatomy()
-    space = cut_needle_space(label_map, occupancy(label_map), parameters(thickest=6.0))
+    space = cut_needle_space(label_map, occupancy(label_map), "free", parameters(thickest=6.0))
     reached = np.zeros(label_map.voxels.shape, bool)
     reached[space.box] = True
     places = np.argwhere(np.ones(reached.shape, bool))
@@ -80,9 +80,9 @@ def test_the_box_holds_all_within_the_widest_wall_and_knows_its_place():
 def test_unknown_labels_are_refused_and_missing_bone_labels_are_not():
     label_map = anatomy()
     grid = occupancy(label_map)
-    assert cut_needle_space(label_map, grid, parameters()).bone.any()
+    assert cut_needle_space(label_map, grid, "free", parameters()).bone.any()
     with pytest.raises(BadInput, match="label pleura"):
-        cut_needle_space(label_map, grid, parameters(wall=("pleura",)))
+        cut_needle_space(label_map, grid, "free", parameters(wall=("pleura",)))
 
 
 def test_several_free_labels_are_known_by_their_place_and_a_strand_in_fluid_is_not_free():
@@ -93,10 +93,29 @@ def test_several_free_labels_are_known_by_their_place_and_a_strand_in_fluid_is_n
     names = (*NAMES, "blood")
     label_map = LabelMap(voxels, label_map.patient_from_index, names, label_map.origin)
     chosen = BuildOccupancyGridParameters(
-        free_labels=("effusion", "blood"), voxel_size_mm=1.0, neighbourhood="faces",
+        free_labels=("effusion", "blood"), apart=(), voxel_size_mm=1.0, neighbourhood="faces",
         inside_patient_mm=(), smallest_part_ml=0.0, volume_tolerance=0.5,
     )  # fmt: skip
     grid, _ = build_occupancy_grid(label_map, chosen)
-    space = cut_needle_space(label_map, grid, parameters(thickest=50.0))
+    space = cut_needle_space(label_map, grid, "free", parameters(thickest=50.0))
     assert (space.kinds[voxels == 5] == FREE).all()
     assert (space.kinds[voxels == 3] == FORBIDDEN).all()
+
+
+def test_each_part_is_free_to_its_own_needles_only():
+    label_map = anatomy()
+    grid = occupancy(label_map)
+    small = cut_needle_space(label_map, grid, "part_2", parameters(thickest=50.0))
+    expected = np.where(label_map.voxels == 4, FORBIDDEN, small.kinds)
+    expected[30:34, 10:14, 10:14] = FREE
+    np.testing.assert_array_equal(small.kinds, expected)
+    assert small.part == "part_2" and small.cells.sum() == 4**3
+
+
+def test_millimetres_along_the_grid_lead_to_the_cells():
+    label_map = anatomy()
+    space = cut_needle_space(label_map, occupancy(label_map), "free", parameters())
+    first = np.array([side.start for side in space.box])
+    at_cells = (np.argwhere(label_map.voxels == 4)[:1000] - first) * space.spacing
+    cells = at_cells @ space.cell_from_grid[:3, :3].T + space.cell_from_grid[:3, 3]
+    assert space.cells[tuple(np.rint(cells[:500]).astype(int).T)].all()

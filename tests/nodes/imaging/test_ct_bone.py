@@ -10,14 +10,16 @@ from tests.nodes.imaging.made_chest import parameters
 STEP = 1.0
 
 
-def scan_of(hu):
+def scan_of(hu, thickness=STEP):
     return CtScan(
-        np.rint(hu).astype(np.int16), np.diag([STEP, STEP, STEP, 1.0]), np.zeros(hu.shape, bool)
+        np.rint(hu).astype(np.int16),
+        np.diag([STEP, STEP, thickness, 1.0]),
+        np.zeros(hu.shape, bool),
     )
 
 
-def found(hu):
-    return find_bone(scan_of(hu), np.ones(hu.shape, bool), parameters())
+def found(hu, thickness=STEP):
+    return find_bone(scan_of(hu, thickness), np.ones(hu.shape, bool), parameters())
 
 
 def grid(size=48):
@@ -62,3 +64,28 @@ def test_small_calcifications_are_dropped():
     hu = np.full((30, 30, 30), 40.0)
     hu[10:18, 10:18, 10:18] = 600  # half a millilitre
     assert not found(hu).any()
+
+
+@pytest.mark.parametrize("slices", [3, 5])  # odd: no voxel is half full, which is either
+def test_thick_slices_show_slanting_bones_in_their_own_volume(slices):
+    """Two ribs that cross the slices at a slant: most of their voxels hold them in part."""
+    x, y, z = grid(60)
+    hu, true = np.full((60, 60, 60), 40.0), np.zeros((60, 60, 60), bool)
+    for side in (-14, 14):
+        away = np.hypot(x - side, (y - 2 * z) / np.hypot(1, 2))
+        true |= away < 6
+        hu[away < 6] = 1000
+    thick = hu.reshape(60, 60, -1, slices).mean(axis=3)
+    assert found(thick, slices).sum() * slices == pytest.approx(true.sum(), rel=0.03)
+
+
+@pytest.mark.parametrize("slices", [4, 5])
+def test_thick_slices_do_not_bridge_the_disc_between_two_vertebrae(slices):
+    x, y, z = grid(60)
+    disc = abs(z) < 5
+    column = np.hypot(x, y) < 15
+    hu = np.where(column & ~disc, 400.0, 40.0)
+    thick = hu.reshape(60, 60, -1, slices).mean(axis=3)
+    middle = thick[30, 30] < 60  # slices that hold nothing but disc
+    assert middle.any()
+    assert not found(thick, slices)[:, :, middle].any()
