@@ -90,7 +90,14 @@ def run_case(root: Path, *words: str) -> dict[str, float]:
     """Run one case in a process of its own; return wall seconds and the most memory held."""
     started = time.perf_counter()
     command = [sys.executable, "-m", "pipelines.cli", "run", "--no-prefect", *words]
-    process = subprocess.Popen(command, cwd=root, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    data = os.environ.get("TENDRIL_TEST_DATA") or ROOT.parent / "shared" / "data"
+    process = subprocess.Popen(
+        command,
+        cwd=root,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        env=os.environ | {"TENDRIL_TEST_DATA": str(data)},
+    )
     text = process.stdout.read().decode() if process.stdout else ""
     _, status, usage = os.wait4(process.pid, 0)
     seconds = time.perf_counter() - started
