@@ -234,7 +234,9 @@ def run_sizes() -> dict[str, dict[str, float]]:
         ct = read_volume(case.load("ct_files"), case.parameters("read_volume"))
         for pixels in (512, 362, 256):
             write_scaled(ct, pixels, root / "data" / "raw" / f"{pixels}.mha")
-            text = f"title: {pixels} pixels\npipeline: anatomy\ninputs: {{ct_files: {pixels}.mha}}\n"
+            text = (
+                f"title: {pixels} pixels\npipeline: anatomy\ninputs: {{ct_files: {pixels}.mha}}\n"
+            )
             (root / "catalog" / "cases" / f"size_{pixels}.yml").write_text(text)
             cost = run_case(root, "--case", f"size_{pixels}")
             rows[str(pixels)] = {"mvoxels": pixels**2 * ct.voxels.shape[2] / 1e6} | cost
