@@ -7,9 +7,9 @@ from nodes.errors import BadInput
 from nodes.geometry.grids import LabelMap, Volume
 from nodes.imaging.ct_parameters import Ball, Correction, Disc, Solid
 from nodes.imaging.ct_scan import Box, CtScan, Mask, Turn, box_around, points_of
+from nodes.imaging.hand_labels import check_given_labels
 
 BACKGROUND = "background"
-SAME_PLACE_MM = 1e-2  # between two grids' corners; far below a voxel
 
 
 def barrier_mask(
@@ -102,19 +102,11 @@ def given_masks(given: LabelMap, ct: Volume, turn: Turn) -> dict[str, Mask]:
 
     Raises
     ------
-    BadInput where they lie on another grid than the CT.
+    BadInput where they cannot be laid over the CT.
     """
     if not given.names or not given.voxels.any():
         return {}
-    corners = np.array([[0, 0, 0, 1], [*ct.voxels.shape, 1]]).T
-    apart = abs((given.patient_from_index - ct.patient_from_index) @ corners).max()
-    if given.voxels.shape != ct.voxels.shape or apart > SAME_PLACE_MM:
-        raise BadInput(
-            f"given labels on {given.voxels.shape} voxels, the CT on {ct.voxels.shape}"
-            f" (corners up to {apart:.3g} mm apart)",
-            "given labels lie on the CT's own grid",
-            "resample the label map to the CT's grid first",
-        )
+    check_given_labels(ct, given)
     drawn = {name: given.mask(name) for name in given.names}
     return {name: turn.forth(mask) for name, mask in drawn.items() if mask.any()}
 

@@ -166,7 +166,7 @@ def test_given_labels_on_another_grid_are_refused(chest):
         (drawn[1:], chest.patient_from_index),
         (drawn, np.diag([3.1, 3, 3, 1])),
     ):
-        with pytest.raises(BadInput, match="own grid"):
+        with pytest.raises(BadInput, match="lie on the image's grid"):
             segmented(chest, LabelMap(voxels, grid, ("bone",), Origin("by hand")))
 
 
