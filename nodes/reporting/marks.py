@@ -62,6 +62,41 @@ def turn_profile(
     return Mesh(points.astype(np.float32), join_rings(len(profile_mm)))
 
 
+def sweep_tube(
+    points_mm: Float[np.ndarray, "n 3"], tangents: Float[np.ndarray, "n 3"], radius_mm: float
+) -> Mesh:
+    """Return the closed tube of that radius about a curve.
+
+    Parameters
+    ----------
+    points_mm, tangents : (n, 3) along the curve, n > 1; the frame is carried along it with the
+        least turn, so that no facet twists.
+    """
+    turns = np.arange(SIDES) * 2 * np.pi / SIDES
+    frame, rings = frame_along(tangents[0]), []
+    for point, tangent in zip(points_mm, tangents, strict=True):
+        frame = carry_frame(frame, tangent)
+        rings.append(
+            point
+            + radius_mm
+            * (np.cos(turns)[:, None] * frame[:, 0] + np.sin(turns)[:, None] * frame[:, 1])
+        )
+    ends = [np.broadcast_to(points_mm[end], (SIDES, 3)) for end in (0, -1)]
+    vertices = np.concatenate([ends[0], *rings, ends[1]])
+    return Mesh(vertices.astype(np.float32), join_rings(len(rings) + 2))
+
+
+def carry_frame(
+    frame: Float[np.ndarray, "3 3"], tangent: Float[np.ndarray, "3"]
+) -> Float[np.ndarray, "3 3"]:
+    """Return the frame turned so that its third axis is `tangent`, its first turned least."""
+    across = frame[:, 0] - tangent * (tangent @ frame[:, 0])
+    if not np.linalg.norm(across) > 1e-6:  # the curve turned by a right angle at once
+        return frame_along(tangent)
+    across /= np.linalg.norm(across)
+    return np.stack([across, np.cross(tangent, across), tangent], axis=1)
+
+
 def frame_along(direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
     """Return a right-handed frame as columns whose third axis runs along `direction`."""
     length = np.linalg.norm(direction)

@@ -70,6 +70,22 @@ class ShowEntriesParameters(ShowSurfacesParameters):
     """Digits after the decimal point of numbers in the table."""
 
 
+class ShowShapeParameters(ShowSurfacesParameters):
+    """Parameters of `show_shape`."""
+
+    joint_radius_mm: Length
+    """Radius of the ball where a snare grasps, in mm."""
+
+    axis_length_mm: Length
+    """Length of the arrow along the tip's tangent, in mm."""
+
+    force_length_mm_per_n: Length
+    """Length of the arrow of a force, mm per N."""
+
+    decimals: Annotated[int, Field(ge=0, le=12)]
+    """Digits after the decimal point of numbers in the table."""
+
+
 class ShowVolumeParameters(Parameters):
     """Parameters of `show_volume`."""
 

@@ -18,6 +18,7 @@ DEFAULTS = Path(__file__).resolve().parents[3] / "catalog" / "parameters"
 HOSTILE = "</script><script>document.title='owned'</script>\"'<b onmouseover=\"x\">&amp;"
 KINDS = {
     "show_surfaces": kinds.ShowSurfacesParameters,
+    "show_shape": kinds.ShowShapeParameters,
     "show_sites": kinds.ShowSitesParameters,
     "show_entries": kinds.ShowEntriesParameters,
     "show_slices": kinds.ShowSlicesParameters,

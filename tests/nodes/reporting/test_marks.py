@@ -5,7 +5,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nodes.reporting.marks import SIDES, join_meshes, make_arrow, make_ball, make_needle
+from nodes.reporting.marks import (
+    SIDES,
+    join_meshes,
+    make_arrow,
+    make_ball,
+    make_needle,
+    sweep_tube,
+)
 
 trimesh = pytest.importorskip("trimesh")
 PRISM = SIDES * np.sin(2 * np.pi / SIDES) / (2 * np.pi)  # polygon's area over its circle's
@@ -64,3 +71,20 @@ def test_joined_meshes_keep_their_triangles():
     assert trimesh.Trimesh(joined.vertices_patient_mm, joined.triangles).volume == pytest.approx(
         3 * solid(balls[0]).volume, rel=1e-4
     )
+
+
+def test_a_tube_along_an_arc_is_closed_and_has_the_torus_part_s_volume():
+    turns = np.linspace(0, 1.5, 60)
+    points = 40 * np.stack([1 - np.cos(turns), 0 * turns, np.sin(turns)], axis=1)
+    tangents = np.stack([np.sin(turns), 0 * turns, np.cos(turns)], axis=1)
+    tube = solid(sweep_tube(points, tangents, 2.0))
+    assert tube.is_watertight
+    assert tube.volume == pytest.approx(np.pi * 4 * PRISM * 60, rel=2e-3)  # Pappus
+
+
+def test_a_tube_keeps_its_radius_where_the_curve_turns_at_once():
+    points = np.array([[0.0, 0, 0], [0, 0, 5], [5, 0, 5]])
+    tangents = np.array([[0.0, 0, 1], [0, 0, 1], [1, 0, 0]])
+    mesh = sweep_tube(points, tangents, 1.0)
+    nearest = np.linalg.norm(mesh.vertices_patient_mm[:, None] - points, axis=2).min(axis=1)
+    assert set(np.round(nearest, 5)) == {0.0, 1.0}

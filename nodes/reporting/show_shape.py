@@ -1,0 +1,111 @@
+"""The shape of a robot, in 3-D and in numbers."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodes.geometry.meshes import Surfaces
+from nodes.mechanics.shapes import RobotShape
+from nodes.reporting.artefacts import Section
+from nodes.reporting.honesty import warnings_of
+from nodes.reporting.marks import join_meshes, make_arrow, make_ball, sweep_tube
+from nodes.reporting.parameters import ShowShapeParameters
+from nodes.reporting.scene import SCRIPTS, Mark, render_scene
+from nodes.reporting.tables import render_table
+
+if TYPE_CHECKING:
+    import pandas
+
+TIP, JOINT, FORCE = "#d55e00", "#333333", "#d6007f"
+"""Colours of the tip's tangent, the grasps and the forces; no rod has them."""
+
+
+def show_shape(robot_shape: RobotShape, parameters: ShowShapeParameters) -> Section:
+    """Show the rods of a robot, its tip, grasps and loads, and what the mechanics says of them.
+
+    Parameters
+    ----------
+    robot_shape : a shape, or why there is none.
+    parameters : title, caption, sizes, digits.
+
+    Returns
+    -------
+    A section that needs the script of the 3-D viewer where there is something to view. A shape that
+    is not solved is a warning at the head of the page.
+    """
+    warnings = warnings_of(robot_shape.origin)
+    if robot_shape.status != "solved":
+        warnings = (f"{robot_shape.status}: {robot_shape.reason}", *warnings)
+    table = render_table(tabulate_figures(robot_shape), "", parameters.decimals, 3)
+    if not robot_shape.rods:
+        return Section(parameters.title, table, warnings)
+    rods = tuple(
+        (rod.name, sweep_tube(rod.points_patient_mm, rod.tangents, rod.outer_radius_mm))
+        for rod in robot_shape.rods
+    )
+    marks = draw_tip(robot_shape, parameters) + draw_grasps(robot_shape, parameters)
+    marks += draw_forces(robot_shape, parameters)
+    html = render_scene(Surfaces(rods, robot_shape.origin), marks, parameters) + table
+    return Section(parameters.title, html, warnings, SCRIPTS)
+
+
+def tabulate_figures(shape: RobotShape) -> "pandas.DataFrame":
+    """Return one row a figure: what it is, its value with unit, what it means."""
+    import pandas
+
+    rows = [
+        {
+            "figure": figure.name,
+            "value": tell_value(figure.value, figure.unit),
+            "meaning": figure.meaning,
+        }
+        for figure in shape.figures
+    ]
+    if shape.patient_from_tip.size:
+        place = ", ".join(f"{value:.4f}" for value in shape.patient_from_tip[:3, 3])
+        along = ", ".join(f"{value:.6f}" for value in shape.patient_from_tip[:3, 2])
+        rows = [
+            {"figure": "tip", "value": f"[{place}] mm", "meaning": "place, patient LPS"},
+            {"figure": "tip tangent", "value": f"[{along}]", "meaning": "where the tip points"},
+            *rows,
+        ]
+    state = {
+        "figure": "status",
+        "value": shape.status,
+        "meaning": shape.reason or "a shape was found",
+    }
+    return pandas.DataFrame([state, *rows])
+
+
+def tell_value(value: float, unit: str) -> str:
+    """Return a number with four significant digits and its unit."""
+    return f"{value:.4g} {unit}".rstrip()
+
+
+def draw_tip(shape: RobotShape, parameters: ShowShapeParameters) -> tuple[Mark, ...]:
+    """Return the tip's tangent as an arrow."""
+    tip = shape.patient_from_tip
+    radius = parameters.axis_length_mm / 30
+    arrow = make_arrow(tip[:3, 3], tip[:3, 2], parameters.axis_length_mm, radius)
+    return (Mark("tip tangent", arrow, TIP, shine=True),)
+
+
+def draw_grasps(shape: RobotShape, parameters: ShowShapeParameters) -> tuple[Mark, ...]:
+    """Return a ball where each snare grasps; none for a robot without."""
+    if not len(shape.joints_patient_mm):
+        return ()
+    balls = tuple(make_ball(place, parameters.joint_radius_mm) for place in shape.joints_patient_mm)
+    return (Mark("grasps", join_meshes(balls), JOINT, shine=True),)
+
+
+def draw_forces(shape: RobotShape, parameters: ShowShapeParameters) -> tuple[Mark, ...]:
+    """Return an arrow to where each force pulls from, its value beside it; moments are left out."""
+    arrows, tags = [], []
+    for load in shape.loads:
+        size = float(np.linalg.norm(load[3:]))
+        if size > 0:
+            length = size * parameters.force_length_mm_per_n
+            arrows.append(make_arrow(load[:3], load[3:], length, parameters.joint_radius_mm / 2))
+            end = load[:3] + load[3:] / size * length
+            tags.append((f"{size:.3g} N", *map(float, end)))
+    return (Mark("forces", join_meshes(tuple(arrows)), FORCE, tuple(tags)),) if arrows else ()
