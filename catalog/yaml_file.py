@@ -34,18 +34,36 @@ def load_mapping(path: Path) -> dict[str, Any]:
     BadInput : if the file is missing, is no YAML, or holds something else.
     """
     try:
-        value = yaml.load(path.read_text("utf-8"), _Loader)
+        content = path.read_bytes()
     except OSError as error:
         raise BadInput(
             f"{path.name}: {error.strerror}", "the file must be there and readable", f"see {path}"
         ) from error
+    return parse_mapping(content, path.name, f"open {path}")
+
+
+def parse_mapping(content: bytes, name: str, way: str) -> dict[str, Any]:
+    """Return the mapping that YAML text holds; no text is an empty mapping.
+
+    Parameters
+    ----------
+    content : UTF-8 text.
+    name : what errors call it, such as a file's name.
+    way : how a person gets to it, such as "open robot.yml".
+
+    Raises
+    ------
+    BadInput : if it is no YAML, or holds something else.
+    """
+    try:
+        value = yaml.load(content.decode("utf-8"), _Loader)
     except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise _bad_yaml(path, error) from error
+        raise _bad_yaml(name, way, error) from error
     if value is not None and not isinstance(value, dict):
         raise BadInput(
-            f"{path.name} holds a {type(value).__name__}",
+            f"{name} holds a {type(value).__name__}",
             "the file must hold lines `key: value`",
-            f"open {path} and write keys",
+            f"{way} and write keys",
         )
     return value or {}
 
@@ -64,8 +82,8 @@ def value_text(value: Any) -> str:
     return text.removesuffix("...\n").strip()
 
 
-def _bad_yaml(path: Path, error: Exception) -> BadInput:
+def _bad_yaml(name: str, way: str, error: Exception) -> BadInput:
     mark = getattr(error, "problem_mark", None)
-    where = f"{path.name}, line {mark.line + 1}" if mark else path.name
+    where = f"{name}, line {mark.line + 1}" if mark else name
     problem = getattr(error, "problem", None) or str(error)
-    return BadInput(f"{where}: {problem}", "the file must be YAML", f"open {path} and mend it")
+    return BadInput(f"{where}: {problem}", "the file must be YAML", f"{way} and mend it")
