@@ -16,6 +16,7 @@ lint: setup-test
 bench: setup
 	$(BIN)/python -m benchmarks.rerun
 	$(BIN)/python -m benchmarks.imaging
+	$(BIN)/python -m benchmarks.mechanics
 
 serve: setup
 	$(BIN)/tendril serve

@@ -19,6 +19,13 @@ FORMATS = {
     "point_cloud": "catalog.formats.point_cloud:PointCloudFormat",
     "label_files": "catalog.formats.label_files:LabelFilesFormat",
     "sites": "catalog.formats.sites:SitesFormat",
+    "concentric_tube_robot": "catalog.formats.robot:ConcentricTubeRobotFormat",
+    "concentric_tube_configuration": (
+        "catalog.formats.configuration:ConcentricTubeConfigurationFormat"
+    ),
+    "crisp_setup": "catalog.formats.robot:CrispSetupFormat",
+    "crisp_configuration": "catalog.formats.configuration:CrispConfigurationFormat",
+    "robot_shape": "catalog.formats.robot_shape:RobotShapeFormat",
     "table": "catalog.formats.table:TableFormat",
     "record": "catalog.formats.record:RecordFormat",
     "section": "catalog.formats.page:SectionFormat",

@@ -51,6 +51,10 @@ def _tell_stage(project: Project, stage: Stage, outcome: Outcome | None) -> Stag
 def describe_files(path: Path) -> str:
     """Return "folder of 133 files, 32.1 MB": names of files may be names of patients."""
     if path.is_file():
-        return f"one file, {path.stat().st_size / 1e6:.1f} MB"
+        return f"one file, {_tell_size(path.stat().st_size)}"
     sizes = [os.path.getsize(os.path.join(f, n)) for f, _, names in os.walk(path) for n in names]
-    return f"folder of {len(sizes)} files, {sum(sizes) / 1e6:.1f} MB"
+    return f"folder of {len(sizes)} files, {_tell_size(sum(sizes))}"
+
+
+def _tell_size(size: int) -> str:
+    return f"{size / 1e6:.1f} MB" if size >= 1e5 else f"{size / 1e3:.1f} kB"

@@ -10,6 +10,7 @@ from typing import Any
 import click
 
 from nodes.errors import BadInput
+from pipelines.completion import complete_cases, complete_pipelines, complete_stages
 from pipelines.project import Project
 
 STOPPED = 130
@@ -23,6 +24,7 @@ Exit codes:
   3  a case, a parameter or an input was refused
   4  the disk kept nothing (full, read-only), or the store is in use
   5  `status --check` found something stale
+  6  `shape` found no shape to build on
   130  stopped with Ctrl-C; the next run goes on from there
 """
 
@@ -41,38 +43,21 @@ def _stop(number: int, frame: Any) -> None:
     raise KeyboardInterrupt
 
 
-def _complete_cases(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
-    return [name for name in Project().cases() if name.startswith(incomplete)]
-
-
-def _complete_stages(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
-    from pipelines.registry import PIPELINES
-
-    names = {stage.name for module in PIPELINES.values() for stage in module.STAGES}
-    return sorted(name for name in names if name.startswith(incomplete))
-
-
-def _complete_pipelines(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
-    from pipelines.registry import PIPELINES
-
-    return [name for name in PIPELINES if name.startswith(incomplete)]
-
-
 _case = click.option(
-    "--case", "cases", multiple=True, metavar="NAME", shell_complete=_complete_cases,
+    "--case", "cases", multiple=True, metavar="NAME", shell_complete=complete_cases,
     help="This case only; may be given again. Default: all whose inputs are on this machine.",
 )  # fmt: skip
 _settings = click.option(
     "--set", "settings", multiple=True, metavar="KEY=VALUE",
     help="A parameter for this run: `key=value`, or `stage.key=value`.",
 )  # fmt: skip
-_pipeline = click.argument("pipeline", default="", shell_complete=_complete_pipelines)
+_pipeline = click.argument("pipeline", default="", shell_complete=complete_pipelines)
 
 
 def _stage_option(flag: str, name: str, text: str, **more: Any) -> Any:
     return click.option(
         flag, name, default=() if more else "", metavar="STAGE", help=text,
-        shell_complete=_complete_stages, **more,
+        shell_complete=complete_stages, **more,
     )  # fmt: skip
 
 
@@ -205,7 +190,24 @@ def new_case(name: str, title: str | None, pipeline: str | None, **inputs: str |
 
 
 @main.command()
-@click.argument("case", default="", shell_complete=_complete_cases)
+@click.argument("robot", type=click.Path(), metavar="ROBOT.yml")
+@click.argument("configuration", type=click.Path(), metavar="CONFIG.yml")
+@click.option("--name", default="shape", show_default=True, help="Name of its page and data.")
+@_settings
+def shape(robot: str, configuration: str, name: str, settings: Sequence[str]) -> None:
+    """Compute the shape of a robot in one configuration, and a page that shows it.
+
+    \b
+    Example:
+      tendril shape robot.yml configuration.yml    catalog/robots/ has examples
+    """
+    from pipelines.shape_command import compute_shape
+
+    sys.exit(compute_shape(Project(), robot, configuration, name, settings))
+
+
+@main.command()
+@click.argument("case", default="", shell_complete=complete_cases)
 @click.option("--open", "show", is_flag=True, help="Open it in the browser.")
 def report(case: str, show: bool) -> None:
     """Print where a case's page is, or that of all cases; open it with --open."""

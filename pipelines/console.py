@@ -14,7 +14,7 @@ from pipelines.history import History
 from pipelines.outcomes import FRESH, Planned
 from pipelines.progress import Progress, expected_seconds
 from pipelines.project import Project
-from pipelines.running import Driver, run_case
+from pipelines.running import Driver, Watch, run_case
 from pipelines.selection import Selection
 from pipelines.stage import Stage
 
@@ -59,13 +59,7 @@ def run_one(
 ) -> None:
     """Bring one case up to date and tell what happens."""
     with ExitStack() as open_things:
-
-        def watch(run: Run, plan: Sequence[Planned], stages: Sequence[Stage]) -> Observer:
-            print(f"{name}: {run.job.case.title}", flush=True)
-            expected = expected_seconds(stages, run.history.seconds())
-            expected |= {p.stage.name: 0.0 for p in plan if p.state == FRESH}
-            return open_things.enter_context(Progress(name, stages, expected)).observe
-
+        watch = show_progress(name, open_things)
         done = run_case(project, name, settings, selection, driver=driver, watch=watch)
     ended = (
         "nothing to do, all is fresh" if done.folder is None else f"done, {done.computed} computed"
@@ -74,6 +68,18 @@ def run_one(
     for page in History(project, name).latest().get("published", {}):
         print(f"  page  {near(project.root / page)}")
     print(f"  data  {near(project.runs / name / 'latest')}")
+
+
+def show_progress(name: str, open_things: ExitStack) -> Watch:
+    """Return what tells the title and the progress of a run once its plan stands."""
+
+    def watch(run: Run, plan: Sequence[Planned], stages: Sequence[Stage]) -> Observer:
+        print(f"{name}: {run.job.case.title}", flush=True)
+        expected = expected_seconds(stages, run.history.seconds())
+        expected |= {p.stage.name: 0.0 for p in plan if p.state == FRESH}
+        return open_things.enter_context(Progress(name, stages, expected)).observe
+
+    return watch
 
 
 def prefect_driver(project: Project, open_things: ExitStack) -> Driver:

@@ -74,12 +74,15 @@ class Project:
         ------
         BadInput : for anything that a person wrote and a rule forbids.
         """
-        case = self.case(name)
+        return self.job_of(self.case(name), settings)
+
+    def job_of(self, case: Case, settings: Sequence[str] = ()) -> Job:
+        """Return what a case asks for that has no file of its own; else as `job`."""
         stages = find_pipeline(case.pipeline)
         written = _add_settings(self, stages, case.parameters, settings)
         for stage in written.keys() - {s.name for s in stages}:
             raise unknown(f"stage in pipeline {case.pipeline}:", stage, [s.name for s in stages])
-        parameters, changed = self._parameters(stages, written, f"{name}.yml")
+        parameters, changed = self._parameters(stages, written, f"{case.name}.yml")
         wanted = wanted_inputs(self.catalog, stages)
         inputs = self._inputs(case, wanted)
         absent = tuple(sorted(wanted.keys() - inputs.keys()))
@@ -122,6 +125,7 @@ class Project:
                 )
         variables = {
             "TENDRIL_TEST_DATA": self.root.parent / "shared" / "data",
+            "CATALOG": self.root / "catalog",
             "NILEARN_DATA": _package_folder("nilearn") / "datasets" / "data",
         }
         raw = self.data / "raw"

@@ -6,6 +6,8 @@ Where several take the same images, a new case gets the first.
 from pipelines import (
     anatomy,
     collapsed_lung,
+    concentric_tube_shape,
+    crisp_shape,
     endoscopy,
     head_ct,
     head_mri,
@@ -23,4 +25,6 @@ PIPELINES = {
     "mri": mri,
     "label_maps": label_maps,
     "endoscopy": endoscopy,
+    "concentric_tube_shape": concentric_tube_shape,
+    "crisp_shape": crisp_shape,
 }

@@ -9,11 +9,12 @@ from pipelines.engine import Observer, Run
 from pipelines.history import COMPLETE, FAILED, INTERRUPTED
 from pipelines.index import publish_index
 from pipelines.outcomes import FRESH, Planned
-from pipelines.project import Project, find_pipeline
+from pipelines.project import Job, Project, find_pipeline
 from pipelines.selection import Selection
 from pipelines.stage import Stage
 
 Driver = Callable[[Run, Sequence[Stage]], None]
+Watch = Callable[[Run, Sequence[Planned], Sequence[Stage]], Observer]
 
 
 @dataclass(frozen=True)
@@ -65,10 +66,24 @@ def run_case(
     selection: Selection = Selection(),  # noqa: B008 - frozen
     *,
     driver: Driver = run_plainly,
-    watch: Callable[[Run, Sequence[Planned], Sequence[Stage]], Observer] | None = None,
+    watch: Watch | None = None,
     always: bool = False,
 ) -> CaseRun:
-    """Bring one case up to date and note the run.
+    """Bring one case up to date and note the run; the arguments are those of `run_job`."""
+    job = project.job(name, settings)
+    return run_job(project, job, selection, driver=driver, watch=watch, always=always)
+
+
+def run_job(
+    project: Project,
+    job: Job,
+    selection: Selection = Selection(),  # noqa: B008 - frozen
+    *,
+    driver: Driver = run_plainly,
+    watch: Watch | None = None,
+    always: bool = False,
+) -> CaseRun:
+    """Bring the stages of a job up to date and note the run.
 
     Parameters
     ----------
@@ -78,7 +93,7 @@ def run_case(
     """
     with project.store.in_use():
         project.store.sweep()
-        run = Run(project, project.job(name, settings), selection)
+        run = Run(project, job, selection)
         plan = run.plan()
         stages = run.check_selection(plan)
         stale = [p for p in plan if p.state != FRESH and p.stage in stages]
@@ -87,10 +102,10 @@ def run_case(
             keys = {p.stage.name: p.record.key for p in plan if p.record and p.stage in stages}
             if run.history.is_current(keys):
                 publish_index(project)
-                return CaseRun(name, 0, None)
+                return CaseRun(job.case.name, 0, None)
         if watch:
             run.observe = watch(run, plan, stages)
-        return CaseRun(name, *_go(run, stages, driver))
+        return CaseRun(job.case.name, *_go(run, stages, driver))
 
 
 def _go(run: Run, stages: Sequence[Stage], driver: Driver) -> tuple[int, Path]:

@@ -76,6 +76,10 @@ class ShowShapeParameters(ShowSurfacesParameters):
     joint_radius_mm: Length
     """Radius of the ball where a snare grasps, in mm."""
 
+    least_radius_share: Annotated[float, Field(ge=0, le=0.1)]
+    """Least radius that is drawn, over the robot's extent (no unit): thinner tubes are all drawn
+    thicker by one factor, and the page says by how much."""
+
     axis_length_mm: Length
     """Length of the arrow along the tip's tangent, in mm."""
 

@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodes.geometry.meshes import Surfaces
-from nodes.mechanics.shapes import RobotShape
+from nodes.mechanics.shapes import RobotShape, Rod
 from nodes.reporting.artefacts import Section
 from nodes.reporting.honesty import warnings_of
 from nodes.reporting.marks import join_meshes, make_arrow, make_ball, sweep_tube
 from nodes.reporting.parameters import ShowShapeParameters
 from nodes.reporting.scene import SCRIPTS, Mark, render_scene
-from nodes.reporting.tables import render_table
+from nodes.reporting.tables import UNITS, render_table
 
 if TYPE_CHECKING:
     import pandas
@@ -39,14 +39,29 @@ def show_shape(robot_shape: RobotShape, parameters: ShowShapeParameters) -> Sect
     table = render_table(tabulate_figures(robot_shape), "", parameters.decimals, 3)
     if not robot_shape.rods:
         return Section(parameters.title, table, warnings)
+    thicker = draw_thicker(robot_shape.rods, parameters.least_radius_share)
     rods = tuple(
-        (rod.name, sweep_tube(rod.points_patient_mm, rod.tangents, rod.outer_radius_mm))
+        (rod.name, sweep_tube(rod.points_patient_mm, rod.tangents, thicker * rod.outer_radius_mm))
         for rod in robot_shape.rods
     )
     marks = draw_tip(robot_shape, parameters) + draw_grasps(robot_shape, parameters)
     marks += draw_forces(robot_shape, parameters)
-    html = render_scene(Surfaces(rods, robot_shape.origin), marks, parameters) + table
+    below = f"<p>Tubes are drawn {thicker:.1f} times as thick as they are.</p>"
+    surfaces = Surfaces(rods, robot_shape.origin)
+    html = render_scene(surfaces, marks, parameters, below if thicker > 1 else "") + table
     return Section(parameters.title, html, warnings, SCRIPTS)
+
+
+def draw_thicker(rods: tuple[Rod, ...], least_radius_share: float) -> float:
+    """Return the factor, at least 1, by which radii are drawn larger so that the thinnest is seen.
+
+    Parameters
+    ----------
+    least_radius_share : least radius over the robot's extent, no unit.
+    """
+    points = np.concatenate([rod.points_patient_mm for rod in rods])
+    extent = float(np.linalg.norm(np.ptp(points, axis=0)))
+    return max(1.0, least_radius_share * extent / min(rod.outer_radius_mm for rod in rods))
 
 
 def tabulate_figures(shape: RobotShape) -> "pandas.DataFrame":
@@ -79,7 +94,7 @@ def tabulate_figures(shape: RobotShape) -> "pandas.DataFrame":
 
 def tell_value(value: float, unit: str) -> str:
     """Return a number with four significant digits and its unit."""
-    return f"{value:.4g} {unit}".rstrip()
+    return f"{value:.4g} {UNITS.get(unit, unit)}".rstrip()
 
 
 def draw_tip(shape: RobotShape, parameters: ShowShapeParameters) -> tuple[Mark, ...]:

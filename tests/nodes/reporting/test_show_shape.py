@@ -65,3 +65,12 @@ def test_an_unstable_shape_is_shown_with_its_warning(shape, defaults):
         replace(shape, status="unstable", reason="it buckles"), defaults("show_shape")
     )
     assert section.warnings[0] == "unstable: it buckles" and "viewer3d" in section.html
+
+
+def test_tubes_too_thin_to_be_seen_are_drawn_thicker_and_the_page_says_so(shape, defaults):
+    section = show_shape(shape, defaults("show_shape", least_radius_share=0.012))
+    points = points_of(scene_of(section), "tool")
+    assert np.linalg.norm(points[:, :2], axis=1).max() == pytest.approx(1.2, abs=0.01)
+    assert "2.0 times as thick" in section.html
+    plain = show_shape(shape, defaults("show_shape", least_radius_share=0.001))
+    assert "times as thick" not in plain.html
