@@ -1,9 +1,10 @@
 """How fast and how exact are the mechanics, and do they ever fail?
 
 Concentric tubes and CRISP robots, cold, warm and along edges, beside what was asked, an estimated
-limit (operations of a solve over the operations that this core does in the same run, in whole
-vectors for CRISP's lanes and one number at a time elsewhere) and plain SciPy; the compilation of
-all kernels; 100,000 random concentric tubes and 10,000 steps of random CRISP robots.
+limit and plain SciPy; the compilation of all kernels; 100,000 random concentric tubes and 10,000
+steps of random CRISP robots. The limit is a hand count of a solve's operations over what this core
+does in the same run, in whole vectors or, on CRISP's general path, one number at a time: good to
+its order of magnitude.
 
     python -m benchmarks.mechanics [--only concentric crisp compile random] [--repeats 15]
 """

@@ -14,7 +14,7 @@ from benchmarks.mechanics_edges import (
     random_targets,
     solve_near,
 )
-from nodes.mechanics.crisp_edges import NO_SOLUTION, SOLVED
+from nodes.mechanics.crisp_edges import BEYOND, BRANCH_ENDS, NO_SOLUTION, SOLVED
 from nodes.mechanics.follow_crisp_edges import follow_crisp_edges
 from nodes.mechanics.solve_crisp import solve_crisp
 
@@ -33,7 +33,7 @@ def run_random_crisp(count: int) -> dict[str, Any]:
 
 def follow_random(needles, count) -> dict[str, Any]:
     """Return failures on `count` steps along edges to random targets, of robots of all joints."""
-    done = failed = out_of_reach = robots = 0
+    done = failed = out_of_reach = folds = robots = 0
     worst = 0.0
     while done < count:
         chance = np.random.default_rng([needles, robots])
@@ -43,10 +43,12 @@ def follow_random(needles, count) -> dict[str, Any]:
         edges = edges_between(first, 0 * targets, targets)
         tracks = follow_crisp_edges(setup, edges, FOLLOW)
         wanted = np.arange(tracks.status.shape[1]) <= edges.steps[:, None]
-        bad = (tracks.status != SOLVED) & wanted
-        short = (tracks.status == NO_SOLUTION) & wanted
-        done, robots = done + int(wanted.sum()), robots + 1
-        failed, out_of_reach = failed + int((bad & ~short).sum()), out_of_reach + int(short.sum())
+        tried = wanted & (tracks.status != BEYOND)  # nothing is asked beyond the end of a branch
+        short = (tracks.status == NO_SOLUTION) & tried
+        fold = (tracks.status == BRANCH_ENDS) & tried
+        done, robots = done + int(tried.sum()), robots + 1
+        folds, out_of_reach = folds + int(fold.sum()), out_of_reach + int(short.sum())
+        failed += int((tried & (tracks.status != SOLVED) & ~short & ~fold).sum())
         if robots <= 3:
             worst = max(worst, edge_error(setup, first, targets, edges, tracks, 3))
     return {
@@ -55,6 +57,7 @@ def follow_random(needles, count) -> dict[str, Any]:
         "failed": failed,
         "failed_share": failed / done,
         "out_of_reach": out_of_reach,
+        "branch_ends": folds,
         "worst_error_mm": worst,
     }
 

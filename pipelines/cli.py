@@ -11,6 +11,7 @@ import click
 
 from nodes.errors import BadInput
 from pipelines.completion import complete_cases, complete_pipelines, complete_stages
+from pipelines.inputs_command import InputsCommand
 from pipelines.project import Project
 
 STOPPED = 130
@@ -151,28 +152,7 @@ def list_command(what: str) -> None:
             print(f"  {line}")
 
 
-class _LazyCommand(click.Command):
-    """A command whose options are read from the catalog only when it is used."""
-
-    def get_params(self, ctx: click.Context) -> list[click.Parameter]:
-        if not self.params[1:]:
-            for name, dataset in Project().catalog.items():
-                if dataset.option:
-                    option = click.Option(
-                        [dataset.option, name],
-                        type=click.Path(),
-                        metavar="DIR|FILE",
-                        help=dataset.about,
-                    )
-                    self.params.append(option)
-            self.params.append(click.Option(["--title"], help="Heading of the case's page."))
-            self.params.append(
-                click.Option(["--pipeline"], help="Where several take these inputs.")
-            )
-        return super().get_params(ctx)
-
-
-@main.command("new-case", cls=_LazyCommand)
+@main.command("new-case", cls=InputsCommand)
 @click.argument("name")
 def new_case(name: str, title: str | None, pipeline: str | None, **inputs: str | None) -> None:
     """Write a commented case file for your own images.

@@ -33,3 +33,16 @@ def test_data() -> Path:
     if not folder.is_dir():
         pytest.skip(f"no test data at {folder}: set TENDRIL_TEST_DATA")
     return folder
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Keep each file on one worker, and all that needs the same kernels: they compile once."""
+    for item in items:
+        item.add_marker(pytest.mark.xdist_group(_worker_group(item.path)))
+
+
+def _worker_group(path: Path) -> str:
+    if path.parent.name not in ("kernels", "mechanics"):
+        return str(path)
+    concentric = any(word in path.name for word in ("ctr", "concentric", "nystroem"))
+    return "concentric tubes" if concentric else "CRISP"

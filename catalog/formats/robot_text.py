@@ -1,7 +1,8 @@
 """What all robot and configuration files share: one YAML file, named places, orientations.
 
-People write mm, MPa, N, and degrees with the suffix `_deg`. Only known keys are read, so that no
-free text passes on; a `name` may stand there for the reader and is not kept.
+People write mm, MPa, N, and degrees with the suffix `_deg`. Only known keys are read; a `name`
+may stand there for the reader and is not kept. Of free text only that of an `origin`, which our own
+files hold, passes on to pages: write no patient's name there.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

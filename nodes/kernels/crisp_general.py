@@ -14,9 +14,8 @@ from numba import njit
 
 from nodes.kernels.crisp_general_problem import ARC, COSINE, LENGTH, RIGID, SNARE
 from nodes.kernels.crisp_joints import joint_residual, joint_rows
-from nodes.kernels.crisp_rod import FULL, bend_full, bend_pose
-
-MOST_STEPS = 64  # of the integrator in one piece
+from nodes.kernels.crisp_options import INNER
+from nodes.kernels.crisp_rod import FULL, bend_full, bend_pose, count_steps
 
 
 class Walk(NamedTuple):
@@ -31,6 +30,7 @@ class Walk(NamedTuple):
     passed : (k, 6, c) changes of the tool's pose at the joints.
     blocks : (3, 3, 3) of one joint.
     residual, rows : (6 n,), (6 n, c).
+    ease : (1,) how much softer than they are rods answer in the columns, see `bend_full`.
     """
 
     soft: np.ndarray
@@ -43,9 +43,10 @@ class Walk(NamedTuple):
     blocks: np.ndarray
     residual: np.ndarray
     rows: np.ndarray
+    ease: np.ndarray
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def new_walk(crisp, columns):
     """Return a workspace for the rods of a robot and as many columns."""
     n = len(crisp.soft)
@@ -60,34 +61,19 @@ def new_walk(crisp, columns):
         np.zeros((3, 3, 3)),
         np.zeros(6 * n),
         np.zeros((6 * n, columns)),
+        np.ones(1),
     )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def place_base(crisp, rod, state):
     """Write the pose of a rod's base into the first twelve numbers of a state."""
     for i in range(12):
         state[i] = crisp.bases[rod, i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def count_steps(wrench, soft, length, reach):
-    """Return how many steps a piece needs: each may turn by about `reach`.
-
-    The rate is fitted to 3,000 random rods: the error in place is below 1e-7 length (rate step)^8
-    for half of them, and below 2e-6 of it for 99 of 100; who solves checks with finer steps.
-    """
-    m = np.sqrt(wrench[0] ** 2 + wrench[1] ** 2 + wrench[2] ** 2) * soft[0]
-    n = np.sqrt(wrench[3] ** 2 + wrench[4] ** 2 + wrench[5] ** 2) * soft[0]
-    u = np.sqrt(soft[2] ** 2 + soft[3] ** 2 + soft[4] ** 2)
-    turn = length * (0.58 * m + 0.14 * n * length + np.sqrt(n) + 0.57 * u)
-    if not turn < MOST_STEPS * reach:  # also where a diverged guess is not finite
-        return MOST_STEPS
-    return int(turn / reach) + 1
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def walk_robot(crisp, wrench, reach, walk, columns, whole):
+@njit(**INNER)
+def walk_robot(crisp, wrench, reach, walk, columns):
     """Fill the residual and, with columns, its derivatives.
 
     Parameters
@@ -95,9 +81,9 @@ def walk_robot(crisp, wrench, reach, walk, columns, whole):
     wrench : (n, 6) moment and force at the rods' bases.
     reach : how far one step of the integrator may turn, rad.
     columns : how many columns of `walk.changes`, set before by the caller, are carried; 0 for none.
-    whole : False where the columns are those of `wrench` alone; True where more follow, the last
-        of them the loads' (moment, force).
+        Beyond the 6 n of `wrench` alone, the last are the loads' (moment, force).
     """
+    whole = columns > 6 * len(wrench)
     acting, changes, residual, rows = walk.acting, walk.changes, walk.residual, walk.rows
     for rod in range(len(wrench) - 1, -1, -1):
         place_base(crisp, rod, walk.tips[rod])
@@ -108,13 +94,13 @@ def walk_robot(crisp, wrench, reach, walk, columns, whole):
             advance(crisp.bases[rod, LENGTH], rod, reach, walk, low, high)
             if whole:
                 slide_along(walk, rod, rod, 1.0, columns)
-    joint, load, arc = 0, 0, 0.0
+    joint, load, tool, arc = np.int64(0), np.int64(0), np.int64(0), 0.0
     while True:
         then, is_joint = next_place(crisp, joint, load)
         if then == np.inf:
             break
         if then > arc:
-            advance(then - arc, 0, reach, walk, 0, columns)
+            advance(then - arc, tool, reach, walk, tool, columns)
             arc = then
         if is_joint:
             _pass_joint(crisp, joint, walk, columns, whole)
@@ -128,7 +114,7 @@ def walk_robot(crisp, wrench, reach, walk, columns, whole):
             rows[i, c] = changes[0, 6 + i, c]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def next_place(crisp, joint, load):
     """Return where something acts on the tool next, inf if nothing, and whether it is a joint."""
     joints, loads = crisp.joints, crisp.loads
@@ -137,15 +123,15 @@ def next_place(crisp, joint, load):
     return min(next_joint, next_load), next_joint <= next_load
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def own_columns(rod, columns, whole):
     """Return the first and one past the last column that a snare depends on."""
     if whole or columns == 0:
-        return 0, columns
+        return np.int64(0), columns
     return 6 * rod, 6 * rod + 6
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def advance(length, rod, reach, walk, low, high):
     """Carry a rod's state, and its columns low..high - 1, over a piece."""
     state, wrench, soft = walk.tips[rod], walk.acting[rod], walk.soft[rod]
@@ -155,12 +141,12 @@ def advance(length, rod, reach, walk, low, high):
         return
     x, y, z = state[0], state[1], state[2]
     before = (wrench[0], wrench[1], wrench[2], wrench[3], wrench[4], wrench[5])
-    bend_full(state, wrench, soft, 1.0, length, steps, walk.slopes)
+    bend_full(state, wrench, soft, walk.ease[0], length, steps, walk.slopes)
     way = (state[0] - x, state[1] - y, state[2] - z)
     carry_columns(walk.changes[rod], state, way, before, low, high)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+@njit(fastmath={"contract"}, **INNER)
 def carry_columns(table, state, way, wrench, low, high):
     """Carry changes of pose and wrench over a piece.
 
@@ -207,15 +193,15 @@ def carry_columns(table, state, way, wrench, low, high):
         table[8, c] -= px * ny - py * nx + x * dy - y * dx
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def _pass_joint(crisp, joint, walk, columns, whole):
     """Write a joint's rows and hand the snare's wrench to the tool: m and n grow by m_k and n_k."""
     joints, tips, acting = crisp.joints, walk.tips, walk.acting
-    rod, first = int(joints[joint, SNARE]), 6 + 6 * joint
+    rod, first, tool = int(joints[joint, SNARE]), 6 + 6 * joint, np.int64(0)
     rigid, cosine = joints[joint, RIGID] != 0, joints[joint, COSINE]
     joint_residual(tips[0], tips[rod], acting[rod], rigid, cosine, walk.residual[first:])
     if whole:
-        slide_along(walk, 0, len(tips) + joint, 1.0, columns)
+        slide_along(walk, tool, len(tips) + joint, 1.0, columns)
         copy_pose(walk.changes, walk.passed, joint, columns)
     if columns > 0:
         joint_rows(tips[0], tips[rod], acting[rod], rigid, walk.residual[first:], walk.blocks)
@@ -224,10 +210,10 @@ def _pass_joint(crisp, joint, walk, columns, whole):
     for i in range(6):
         acting[0, i] += acting[rod, i]
     if whole:
-        slide_along(walk, 0, len(tips) + joint, -1.0, columns)
+        slide_along(walk, tool, len(tips) + joint, -1.0, columns)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def copy_pose(changes, passed, joint, columns):
     """Keep the changes of the tool's pose where a joint is."""
     for i in range(6):
@@ -235,7 +221,7 @@ def copy_pose(changes, passed, joint, columns):
             passed[joint, i, c] = changes[0, i, c]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def _fill_rows(changes, blocks, rows, rod, first, columns, low, high):
     """Write the derivatives of a joint's six numbers; add the snare's changes of wrench to the
     tool's."""
@@ -257,7 +243,7 @@ def _fill_rows(changes, blocks, rows, rod, first, columns, low, high):
             changes[0, i, c] += changes[rod, i, c]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def _pass_load(loads, load, walk, columns, whole):
     """A load on the tool: n(s+) = n(s-) - F and m(s+) = m(s-) - T."""
     acting, changes = walk.acting, walk.changes
@@ -269,7 +255,7 @@ def _pass_load(loads, load, walk, columns, whole):
             changes[0, 6 + i, first + i] -= 1.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def slide_along(walk, rod, number, sign, columns):
     """Move the place on a rod where the walk stands, in each column by its share of a mm.
 
@@ -290,14 +276,14 @@ def slide_along(walk, rod, number, sign, columns):
             table[6 + i, c] -= sign * slide[c] * lost
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def walk_to_tip(crisp, reach, walk, columns):
     """Go on from the last thing that acts on the tool to its tip, after `walk_robot`."""
-    last = 0.0
+    last, tool = 0.0, np.int64(0)
     if len(crisp.joints) > 0:
         last = crisp.joints[-1, ARC]
     if len(crisp.loads) > 0:
         last = max(last, crisp.loads[-1, ARC])
     if crisp.bases[0, LENGTH] > last:
-        advance(crisp.bases[0, LENGTH] - last, 0, reach, walk, 0, columns)
-    slide_along(walk, 0, 0, 1.0, columns)
+        advance(crisp.bases[0, LENGTH] - last, tool, reach, walk, tool, columns)
+    slide_along(walk, tool, tool, 1.0, columns)

@@ -4,10 +4,41 @@ from numba import njit
 
 from nodes.kernels.crisp_general_problem import ARC, LENGTH, Packed
 from nodes.kernels.crisp_general_solve import SOLVED, UNSTABLE, new_newton, solve_wrenches
+from nodes.kernels.crisp_options import OUTER
 from nodes.kernels.crisp_stability import QUICK, count_below, new_sturm
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OUTER)
+def copy_robot(crisp):
+    """Return a robot whose bases and joints may be changed."""
+    return Packed(crisp.soft, crisp.bases.copy(), crisp.joints.copy(), crisp.loads)
+
+
+@njit(**OUTER)
+def set_row(one, rotations, lengths, arcs):
+    """Set rotations (n, 3, 3), lengths (n,) and grasp places (k,) of a robot."""
+    for rod in range(len(one.bases)):
+        one.bases[rod, LENGTH] = lengths[rod]
+        for i in range(3):
+            for axis in range(3):
+                one.bases[rod, 3 + 3 * axis + i] = rotations[rod, i, axis]
+    for joint in range(len(one.joints)):
+        one.joints[joint, ARC] = arcs[joint]
+
+
+@njit(**OUTER)
+def count_unstable(crisp, rotations, lengths, arcs, wrenches, found):
+    """Write how many eigenvalues below 0 the second variation of each equilibrium has.
+
+    Parameters as of `solve_many`; found : (b,) int64, written.
+    """
+    one, sturm = copy_robot(crisp), new_sturm(crisp)
+    for row in range(len(wrenches)):
+        set_row(one, rotations[row], lengths[row], arcs[row])
+        found[row] = count_below(one, wrenches[row], 0.0, QUICK, sturm)
+
+
+@njit(**OUTER)
 def solve_many(crisp, rotations, lengths, arcs, wrenches, tolerance, check, found):
     """Solve each configuration from its guess.
 
@@ -20,16 +51,10 @@ def solve_many(crisp, rotations, lengths, arcs, wrenches, tolerance, check, foun
     check : whether equilibria that the robot would leave are told.
     found : (b, 4) written: status, residual in mm, evaluations with and without derivatives.
     """
-    one = Packed(crisp.soft, crisp.bases.copy(), crisp.joints.copy(), crisp.loads)
+    one = copy_robot(crisp)
     newton, sturm = new_newton(crisp), new_sturm(crisp)
     for row in range(len(wrenches)):
-        for rod in range(len(one.bases)):
-            one.bases[rod, LENGTH] = lengths[row, rod]
-            for i in range(3):
-                for axis in range(3):
-                    one.bases[rod, 3 + 3 * axis + i] = rotations[row, rod, i, axis]
-        for joint in range(len(one.joints)):
-            one.joints[joint, ARC] = arcs[row, joint]
+        set_row(one, rotations[row], lengths[row], arcs[row])
         status, size, full, short = solve_wrenches(one, wrenches[row], tolerance, newton)
         if check and status == SOLVED and count_below(one, wrenches[row], 0.0, QUICK, sturm) > 0:
             status = UNSTABLE

@@ -9,15 +9,18 @@ from nodes.kernels.crisp_general_solve import (
     NO_SOLUTION,
     NOT_CONVERGED,
     SOLVED,
+    iterate,
+    measure,
+)
+from nodes.kernels.crisp_general_units import (
     aim,
     balance_forces,
     copy,
     is_out_of_reach,
-    iterate,
-    measure,
     set_weights,
     step_reach,
 )
+from nodes.kernels.crisp_options import INNER, OUTER
 
 REST_REACH = 0.5  # rad, of a step along a tool at rest
 FIRST, NARROW = 0.25, 1 / 512  # first and least share of the way that is taken at once
@@ -26,7 +29,7 @@ NEAR = 6  # evaluations after which a solution may be another than the one that 
 WAYS = 500  # evaluations of the derivatives on the way
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OUTER)
 def solve_from_rest(crisp, wrench, seeds, tolerance, newton):
     """Solve without a guess; `wrench` (n, 6) is written.
 
@@ -41,7 +44,7 @@ def solve_from_rest(crisp, wrench, seeds, tolerance, newton):
     """
     if is_out_of_reach(crisp):
         return NO_SOLUTION, np.inf, 0, 0
-    set_weights(crisp, newton.weights)
+    set_weights(crisp, newton)
     status, size, full, short = _raise_loads(crisp, wrench, tolerance, newton)
     for way in range(-1, len(seeds)):
         if status == SOLVED:
@@ -55,14 +58,14 @@ def solve_from_rest(crisp, wrench, seeds, tolerance, newton):
     return status, size, full, short
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OUTER)
 def close_gap(crisp, wrench, tolerance, newton):
     """Follow the solutions of residual = (1 - share) residual(start) from share 0 to 1."""
     reach = step_reach(crisp, tolerance)
-    set_weights(crisp, newton.weights)
+    set_weights(crisp, newton)
     aim(newton, newton.target, 0.0)
     balance_forces(crisp, wrench)
-    measure(crisp, wrench, reach, newton, 0)
+    measure(crisp, wrench, reach, newton)
     gap, kept = newton.walk.residual.copy(), wrench.copy()
     share, stride, full, short = 0.0, FIRST, 0, 0
     while stride > NARROW and full < WAYS:
@@ -80,10 +83,10 @@ def close_gap(crisp, wrench, tolerance, newton):
             stride *= 0.4
             copy(kept, wrench)
     aim(newton, gap, 0.0)
-    return NOT_CONVERGED, measure(crisp, wrench, reach, newton, 0), full, short
+    return NOT_CONVERGED, measure(crisp, wrench, reach, newton), full, short
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def _raise_loads(crisp, wrench, tolerance, newton):
     """Solve without the loads, then follow the solution while they grow."""
     stride = _first_share(crisp, wrench, newton)
@@ -120,7 +123,7 @@ def _raise_loads(crisp, wrench, tolerance, newton):
     return NOT_CONVERGED, size, full, short
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def _first_share(crisp, wrench, newton):
     """Return what share of the loads bends a straight tool by about half a radian."""
     rest_wrench(crisp, wrench, newton)
@@ -129,7 +132,7 @@ def _first_share(crisp, wrench, newton):
     return max(min(1.0, 0.5 / (bend + 1e-12)), 4 * NARROW)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def _with_loads(crisp, share):
     loads = crisp.loads.copy()
     for load in range(len(loads)):
@@ -138,7 +141,7 @@ def _with_loads(crisp, share):
     return Packed(crisp.soft, crisp.bases, crisp.joints, loads)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def rest_wrench(crisp, wrench, newton):
     """Write the wrenches of snares at rest and of a tool that bears its loads without bending."""
     walk = newton.walk
@@ -147,9 +150,9 @@ def rest_wrench(crisp, wrench, newton):
             wrench[rod, i], walk.acting[rod, i] = 0.0, 0.0
     balance_forces(crisp, wrench)
     place_base(crisp, 0, walk.tips[0])
-    arc = 0.0
+    arc, tool = 0.0, np.int64(0)
     for load in range(len(crisp.loads)):
-        advance(crisp.loads[load, ARC] - arc, 0, REST_REACH, walk, 0, 0)
+        advance(crisp.loads[load, ARC] - arc, tool, REST_REACH, walk, tool, tool)
         arc = crisp.loads[load, ARC]
         for i in range(3):
             a, b = (i + 1) % 3, (i + 2) % 3

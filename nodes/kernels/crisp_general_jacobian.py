@@ -8,9 +8,10 @@ from numba import njit
 
 from nodes.kernels.crisp_general import new_walk, walk_robot, walk_to_tip
 from nodes.kernels.crisp_general_problem import RIGID
+from nodes.kernels.crisp_options import OUTER
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OUTER)
 def differentiate(crisp, wrench, from_tip, reach):
     """Return a walk with all columns and the camera's rows.
 
@@ -39,7 +40,7 @@ def differentiate(crisp, wrench, from_tip, reach):
         walk.slides[n + joint, 13 * n + k + joint] = 1.0
         if from_tip[joint]:
             walk.slides[n + joint, 6 * n + 3] = 1.0
-    walk_robot(crisp, wrench, reach, walk, columns, True)
+    walk_robot(crisp, wrench, reach, walk, columns)
     for joint in range(k):
         if crisp.joints[joint, RIGID] == 0:
             walk.rows[6 + 6 * joint + 3, 13 * n + joint] -= 1.0

@@ -5,9 +5,10 @@ from numba import njit
 
 from nodes.kernels.crisp_general import advance, new_walk, next_place, place_base
 from nodes.kernels.crisp_general_problem import LENGTH, SNARE
+from nodes.kernels.crisp_options import INNER, OUTER
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OUTER)
 def sample_rod(crisp, wrench, rod, arcs, reach, found):
     """Write the state at places along a rod; where something acts, that just before it.
 
@@ -16,9 +17,9 @@ def sample_rod(crisp, wrench, rod, arcs, reach, found):
     arcs : (q,) increasing, mm from the entry point.
     found : (q, 18) written: place, axes d1, d2, d3, moment, force, world axes.
     """
-    walk = new_walk(crisp, 0)
+    walk = new_walk(crisp, np.int64(0))
     _start(crisp, wrench, rod, walk)
-    joint, load, arc = 0, 0, 0.0
+    joint, load, none, arc = np.int64(0), np.int64(0), np.int64(0), 0.0
     for q in range(len(arcs)):
         while True:
             then, is_joint = next_place(crisp, joint, load)
@@ -26,7 +27,7 @@ def sample_rod(crisp, wrench, rod, arcs, reach, found):
                 then = np.inf
             goal = min(then, arcs[q])
             if goal > arc:
-                advance(goal - arc, rod, reach, walk, 0, 0)
+                advance(goal - arc, rod, reach, walk, none, none)
                 arc = goal
             if then >= arcs[q]:
                 break
@@ -43,17 +44,18 @@ def sample_rod(crisp, wrench, rod, arcs, reach, found):
             found[q, 12 + i] = walk.acting[rod, i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def _start(crisp, wrench, rod, walk):
     place_base(crisp, rod, walk.tips[rod])
     for i in range(6):
         walk.acting[rod, i] = wrench[rod, i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def _take_snare(crisp, wrench, rod, reach, walk):
     """Add the wrench at a snare's tip to the tool's."""
     _start(crisp, wrench, rod, walk)
-    advance(crisp.bases[rod, LENGTH], rod, reach, walk, 0, 0)
+    none = np.int64(0)
+    advance(crisp.bases[rod, LENGTH], rod, reach, walk, none, none)
     for i in range(6):
         walk.acting[0, i] += walk.acting[rod, i]

@@ -9,10 +9,12 @@ the tangents minus the wanted one, and the moment about the snare's and about th
 import numpy as np
 from numba import njit
 
+from nodes.kernels.crisp_options import INNER, OUTER
+
 SMALL_ANGLE = 1e-4  # below this the series is exact to rounding
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OUTER)
 def joint_residual(tool, snare, moment, rigid, cosine, out):
     """Write the six numbers.
 
@@ -34,7 +36,7 @@ def joint_residual(tool, snare, moment, rigid, cosine, out):
         out[5] += tool[9 + i] * moment[i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def turn_between(tool, snare, out):
     """Write into out[3:6] the rotation vector of E = R_k R_x R_t^T, in world axes."""
     # R_k R_x = [d1, -d3, d2] of the snare stands beside [d1, d2, d3] of the tool.
@@ -55,7 +57,7 @@ def turn_between(tool, snare, out):
     out[3], out[4], out[5] = scale * ax, scale * ay, scale * az
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OUTER)
 def joint_rows(tool, snare, moment, rigid, residual, blocks):
     """Write the derivative of the last three numbers by small changes, world axes.
 
@@ -77,7 +79,7 @@ def joint_rows(tool, snare, moment, rigid, residual, blocks):
         blocks[2, 2, i] = t[i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def _turn_rows(turn, blocks):
     """Write d rho = J^-1(rho) d phi_snare - J^-T(rho) d phi_tool, J the left Jacobian of SO(3)."""
     squared = turn[0] ** 2 + turn[1] ** 2 + turn[2] ** 2

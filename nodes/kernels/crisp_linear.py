@@ -3,8 +3,10 @@
 import numpy as np
 from numba import njit
 
+from nodes.kernels.crisp_options import OUTER
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+
+@njit(fastmath={"contract"}, **OUTER)
 def factorise(matrix, order):
     """Split a square matrix in place into its triangles; return whether it is regular.
 
@@ -32,7 +34,7 @@ def factorise(matrix, order):
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+@njit(fastmath={"contract"}, **OUTER)
 def solve_factorised(triangles, order, right):
     """Solve for one right-hand side in place."""
     n = len(order)

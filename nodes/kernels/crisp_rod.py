@@ -6,14 +6,17 @@ axes of the body as in R = [d1 d2 d3]; after them come, where wanted, its deriva
 at the piece's start: six rows (dp, then the rotation vector of dR) of six columns (m, n).
 """
 
+import numpy as np
 from numba import njit
 
+from nodes.kernels.crisp_options import INNER, OUTER
 from nodes.kernels.runge_kutta import FIRST, STAGE, STAGES, WEIGHT
 
 POSE, FULL = 12, 48
+MOST_STEPS = 64  # in one piece
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+@njit(fastmath={"contract"}, **INNER)
 def _slope(y, start, wrench, soft, out):
     """Write the derivative of place and axes along the rod.
 
@@ -37,7 +40,7 @@ def _slope(y, start, wrench, soft, out):
     return mx, my, mz
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+@njit(fastmath={"contract"}, **INNER)
 def _slope_columns(y, start, wrench, soft, ease, m, out):
     """Write the derivative of the six columns: phi' = ease C (dm + m x phi), dp' = phi x d3."""
     across, along = ease * soft[0], ease * soft[1]
@@ -66,7 +69,7 @@ def _slope_columns(y, start, wrench, soft, ease, m, out):
         out[42 + c] = across * vz + twist * tz
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+@njit(fastmath={"contract"}, **OUTER)
 def bend_pose(state, wrench, soft, length, steps, slopes):
     """Carry place and axes along a piece of `length`; the moment becomes the one at its end.
 
@@ -99,7 +102,7 @@ def bend_pose(state, wrench, soft, length, steps, slopes):
     _carry_moment(state, start, wrench)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+@njit(fastmath={"contract"}, **OUTER)
 def bend_full(state, wrench, soft, ease, length, steps, slopes):
     """As `bend_pose`, with the derivatives by the wrench at the start: `state` has 48 numbers.
 
@@ -130,9 +133,25 @@ def bend_full(state, wrench, soft, ease, length, steps, slopes):
     _carry_moment(state, start, wrench)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def _carry_moment(state, start, wrench):
     x, y, z = state[0] - start[0], state[1] - start[1], state[2] - start[2]
     wrench[0] -= y * wrench[5] - z * wrench[4]
     wrench[1] -= z * wrench[3] - x * wrench[5]
     wrench[2] -= x * wrench[4] - y * wrench[3]
+
+
+@njit(**OUTER)
+def count_steps(wrench, soft, length, reach):
+    """Return how many steps a piece needs: each may turn by about `reach`.
+
+    The rate is fitted to 3,000 random rods: the error in place is below 1e-7 length (rate step)^8
+    for half of them, and below 2e-6 of it for 99 of 100; who solves checks with finer steps.
+    """
+    m = np.sqrt(wrench[0] ** 2 + wrench[1] ** 2 + wrench[2] ** 2) * soft[0]
+    n = np.sqrt(wrench[3] ** 2 + wrench[4] ** 2 + wrench[5] ** 2) * soft[0]
+    u = np.sqrt(soft[2] ** 2 + soft[3] ** 2 + soft[4] ** 2)
+    turn = length * (0.58 * m + 0.14 * n * length + np.sqrt(n) + 0.57 * u)
+    if not turn < MOST_STEPS * reach:  # also where a diverged guess is not finite
+        return MOST_STEPS
+    return int(turn / reach) + 1

@@ -16,9 +16,10 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from nodes.kernels.crisp_general import MOST_STEPS, new_walk, next_place
+from nodes.kernels.crisp_general import new_walk, next_place
 from nodes.kernels.crisp_general_problem import LENGTH, RIGID, SNARE
-from nodes.kernels.crisp_rod import FULL, bend_full
+from nodes.kernels.crisp_options import INNER, OUTER
+from nodes.kernels.crisp_rod import FULL, MOST_STEPS, bend_full
 from nodes.kernels.crisp_stiffness import (
     eliminate,
     free_turns,
@@ -31,6 +32,8 @@ from nodes.kernels.crisp_stiffness import (
 SAFE = 0.9  # share of the length at which a held piece could buckle
 QUICK, EXACT = 1.0, 0.4  # rad, that a step of the integrator may turn
 SLACK = 1e-12  # of its bending is how a piece stretches, else a straight one had no inverse
+SHORT = 0.05  # of its rod is a piece that stretches as if it were longer, or rounding drowned it
+NO_LENGTH = 4e-5  # of the tool, between places that count as one: the piece would be rounding
 MOST_PIECES = 2000  # of one rod
 LEVEL_LIMIT = 1 - 1e-4  # above this a robot has next to no wrench in it
 LARGEST = 1e6  # negative eigenvalue that is looked for
@@ -59,10 +62,10 @@ class Sturm(NamedTuple):
     order: np.ndarray
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OUTER)
 def new_sturm(crisp):
     """Return a workspace for the rods of a robot."""
-    n, walk = len(crisp.soft), new_walk(crisp, 0)
+    n, walk = len(crisp.soft), new_walk(crisp, np.int64(0))
     return Sturm(
         walk.soft,
         walk.slopes,
@@ -79,7 +82,7 @@ def new_sturm(crisp):
     )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OUTER)
 def stability_margin(crisp, wrench, accuracy, sturm):
     """Return the least eigenvalue to `accuracy`: 1 for a free rod, negative where it snaps."""
     low, high = 0.0, 0.0
@@ -103,7 +106,7 @@ def stability_margin(crisp, wrench, accuracy, sturm):
     return 0.5 * (low + high)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OUTER)
 def count_below(crisp, wrench, level, turn, sturm):
     """Return how many eigenvalues of an equilibrium's second variation are below `level` < 1.
 
@@ -117,14 +120,16 @@ def count_below(crisp, wrench, level, turn, sturm):
             sturm.acting[rod, i], sturm.acting[rod, 3 + i] = 0.0, 0.0
         _add_wrench(sturm.acting[rod], sturm.frames[rod], wrench[rod, :3], wrench[rod, 3:], 1.0)
         if rod > 0:
-            found += _add_pieces(rod, crisp.bases[rod, LENGTH], ease, turn, True, sturm)
-    joint, load, arc = 0, 0, 0.0
+            whole = crisp.bases[rod, LENGTH]
+            found += _add_pieces(rod, whole, whole, ease, turn, rod > 0, sturm)
+    joint, load, tool, arc = np.int64(0), np.int64(0), np.int64(0), 0.0
+    whole = crisp.bases[tool, LENGTH]
     while True:
         then, is_joint = next_place(crisp, joint, load)
         if then == np.inf:
             break
-        if then > arc:
-            found += _add_pieces(0, then - arc, ease, turn, arc == 0.0, sturm)
+        if then - arc > NO_LENGTH * whole:
+            found += _add_pieces(tool, then - arc, whole, ease, turn, arc == 0.0, sturm)
             arc = then
         if is_joint:
             rod = int(crisp.joints[joint, SNARE])
@@ -142,7 +147,7 @@ def count_below(crisp, wrench, level, turn, sturm):
     return found
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def _add_wrench(acting, frame, moment, force, sign):
     """Add a wrench in world axes to one in the body's."""
     for i in range(3):
@@ -151,19 +156,20 @@ def _add_wrench(acting, frame, moment, force, sign):
             acting[3 + i] += sign * frame[j, i] * force[j]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _add_pieces(rod, length, ease, turn, first, sturm):
+@njit(**INNER)
+def _add_pieces(rod, length, whole, ease, turn, first, sturm):
     """Lengthen a rod by a stretch; its stiffness at the end replaces that at the start.
 
     Each piece is seen in the body's axes at its start, so that a straight piece, which does not
     stretch, keeps that apart from how it bends.
 
+    whole : length of the rod, mm.
     first : True where the stretch begins at the base, which is held.
     """
     soft, state, wrench, large = sturm.soft[rod], sturm.state, sturm.acting[rod], sturm.large
     pieces, steps = _cut(wrench, soft, length, ease, turn)
     found, side = 0, length / pieces
-    slack = SLACK * ease * soft[0] * side**3
+    slack = SLACK * ease * soft[0] * max(side, SHORT * whole) ** 3
     for piece in range(pieces):
         for i in range(12):
             state[i] = 1.0 if i == 3 or i == 7 or i == 11 else 0.0
@@ -185,7 +191,7 @@ def _add_pieces(rod, length, ease, turn, first, sturm):
     return found
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def _go_on(rod, sturm):
     """Turn stiffness, wrench and frame from the axes at a piece's start to those at its end."""
     turn, frame, wrench = sturm.turn, sturm.frames[rod], sturm.acting[rod]
@@ -203,7 +209,7 @@ def _go_on(rod, sturm):
             wrench[first + j] = x * turn[0, j] + y * turn[1, j] + z * turn[2, j]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def _cut(wrench, soft, length, ease, turn):
     """Return pieces and integrator steps in each.
 
@@ -223,7 +229,7 @@ def _cut(wrench, soft, length, ease, turn):
     return pieces, min(int(whole / turn) + 1, MOST_STEPS)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def _add_joint(rod, rigid, sturm):
     """Add a snare's stiffness and wrench to the tool's where it grasps; return the negative
     pivots."""

@@ -4,9 +4,10 @@
 from numba import njit
 
 from nodes.kernels.crisp_linear import factorise, solve_factorised
+from nodes.kernels.crisp_options import INNER
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def invert_derivative(state, slack, triangles, order, column, inverse):
     """Write the inverse of the derivative of the piece's end by the wrench at its start.
 
@@ -24,7 +25,7 @@ def invert_derivative(state, slack, triangles, order, column, inverse):
             inverse[i, j] = column[i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def piece_stiffness(way, moment, force, inverse, large):
     """Write the stiffness of the piece just bent, start then end, (force, moment) by (dp, phi).
 
@@ -55,7 +56,7 @@ def piece_stiffness(way, moment, force, inverse, large):
         large[9 + b, 6 + j] -= force[a]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def make_symmetric(large):
     """Take off what is not symmetric in a piece's stiffness, phi x m / 2, which does no work."""
     for i in range(6):
@@ -67,7 +68,7 @@ def make_symmetric(large):
                 large[k + i, k + j], large[k + j, k + i] = mean, mean
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def turn_stiffness(stiff, turn, room):
     """Turn a stiffness into axes of which `turn` has the directions in its columns."""
     for i in range(6):
@@ -86,7 +87,7 @@ def turn_stiffness(stiff, turn, room):
                 stiff[half + i, j] = total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def free_turns(snare, moment, stiff, large):
     """Let a relaxed snare's tip turn about the two tangents, the tool's being z of the axes.
 
@@ -114,7 +115,7 @@ def free_turns(snare, moment, stiff, large):
     return found
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def _add_curvature(t, k, moment, large):
     """Add the second variation of t . k, times its multiplier, where phi_snare = phi + a t + b k.
 
@@ -138,7 +139,7 @@ def _add_curvature(t, k, moment, large):
     large[1, 0] += 0.5 * multiplier * (1 - c * c)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INNER)
 def eliminate(matrix, size, count):
     """Eliminate the first `count` unknowns of a symmetric matrix; return the negative pivots.
 

@@ -12,15 +12,16 @@ from numba import njit
 
 from nodes.kernels.crisp_lanes import absolute, choose, is_any, is_less, load, spread, store
 from nodes.kernels.crisp_lanes_vectors import load_vector
-from nodes.kernels.crisp_straight_inverse import polish_inverse
+from nodes.kernels.crisp_straight_inverse import find_signs, polish_inverse
 from nodes.kernels.crisp_straight_newton import guess, solve
 from nodes.kernels.crisp_straight_residual import Pose, find_residual, follow_tool
 from nodes.kernels.crisp_straight_steps import choose_steps
 
 GROWTH = 1.15  # of a snare's load, after which numbers of steps are measured again
 SMALL = 0.1  # a load, in kernels' units, under which a rod needs few steps anyway
+CHECKS = 3  # of numbers of steps after one solution; each makes hardly a change to the next
 JUMP = 0.5  # of what the wrenches change in a step: further off its guess no solution is trusted
-FIRST_JUMP = 2.0  # the same for the first step, whose guess has but one solution to go by
+FIRST_JUMP = 2.0  # the same for an only step, whose guess has but one solution to go by
 STILL = 0.02  # a change of wrenches, in kernels' units, within which no jump is looked for
 RENEWED = 3  # steps after which the Jacobian is computed anew; by trying what is fastest
 POINTS = 7  # solutions through which a polynomial predicts the next; more amplify their errors
@@ -48,11 +49,13 @@ class Track(NamedTuple):
     tips : (steps + 1, 9) place from the tool's entry, tangent and body's x axis of the tool's tip.
     totals : (steps + 1, 1) how wrong the wrenches are; inf where they lie on another branch, nan
         where the edge was given up before.
+    signs : (2, 1) of the Jacobian's determinant at the start, and at the end if that is reached.
     """
 
     wrenches: np.ndarray
     tips: np.ndarray
     totals: np.ndarray
+    signs: np.ndarray
 
 
 class Rules(NamedTuple):
@@ -85,7 +88,9 @@ def follow_groups(robot, poses, edges, tracks, rules, solver, work):
         edge = Edges(
             edges.turns[group], edges.advances[group], edges.slides[group], edges.counts[group]
         )
-        track = Track(tracks.wrenches[group], tracks.tips[group], tracks.totals[group])
+        track = Track(
+            tracks.wrenches[group], tracks.tips[group], tracks.totals[group], tracks.signs[group]
+        )
         solver.offset[:] = 0.0
         follow(robot, pose, edge, track, rules, steps, solver, work)
 
@@ -107,9 +112,9 @@ def follow(robot, pose, edges, track, rules, steps, solver, work):
         if step > 0:
             _move_pose(pose, edges)
             _shrink(solver.offset, edges.counts, step)
-            _predict(track.wrenches, step, alive)
+            _predict(robot, edges, track.wrenches, step, alive)
         wrenches = track.wrenches[step]
-        if step % rules.renew == 0 or _has_grown(wrenches, alive, solver.checked):
+        if step % rules.renew == 0:
             solver.checked[:] = wrenches
             alive = alive * choose_steps(robot, pose, wrenches, alive, rules.budget, steps, work)
         if step == 0 and rules.from_rest:
@@ -122,20 +127,34 @@ def follow(robot, pose, edges, track, rules, steps, solver, work):
         total, wanted = spread(np.inf), alive
         for attempt in range(2):
             exact = rules.exact or step == 0 or attempt == 1
-            found = solve(robot, pose, wrenches, wanted, rules, exact, steps, solver, work)
+            found = _solve(robot, pose, wrenches, alive, wanted, rules, exact, steps, solver, work)
             total = choose(wanted, found, total)
             wanted = choose(is_less(total, spread(rules.tolerance)), spread(0.0), alive)
             if exact or not is_any(wanted):
                 break
-            _predict(track.wrenches, step, wanted)
+            _predict(robot, edges, track.wrenches, step, wanted)
         if step > 0 and not rules.from_rest:
-            total = choose(_is_smooth(track.wrenches, step, solver.guess), total, spread(np.inf))
+            smooth = _is_smooth(track.wrenches, step, edges.counts, solver.guess)
+            total = choose(smooth, total, spread(np.inf))
         store(track.totals[step], 0, choose(alive, total, spread(np.nan)))
         follow_tool(robot, pose, wrenches, True, steps, work)
         track.tips[step][:] = work.tip
         alive = alive * is_less(total, spread(rules.tolerance))
+        if step == 0:
+            track.signs[0][0, :] = solver.signs
+        elif not rules.from_rest:
+            _sign_ends(robot, pose, wrenches, edges, step, alive, track, steps, solver, work)
         if not is_any(alive):
             break
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _sign_ends(robot, pose, wrenches, edges, step, alive, track, steps, solver, work):
+    """Write the sign of the Jacobian's determinant where lanes reach their ends."""
+    is_end = alive * is_less(load(edges.counts, 0), spread(step + 0.5))
+    if is_any(is_end):
+        signs = track.signs[1][0]
+        find_signs(robot, pose, wrenches, is_end, signs, steps, solver, work)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -156,14 +175,36 @@ def _move_pose(pose, edges):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _is_smooth(wrenches, step, guess):
-    """Return lanes, 0 where a solution is far from its guess: it lies on another branch."""
+def _is_smooth(wrenches, step, counts, guess):
+    """Return lanes, 0 where a solution is far from its guess: it lies on another branch.
+
+    The first of several steps is judged with the second, which has more to go by.
+    """
     off, moved = spread(0.0), spread(STILL)
     for row in range(len(guess)):
         now = load(wrenches[step], row)
         off = off + absolute(now - load(guess, row))
         moved = moved + absolute(now - load(wrenches[step - 1], row))
-    return is_less(off, (JUMP if step > 1 else FIRST_JUMP) * moved)
+    if step > 1:
+        return is_less(off, JUMP * moved)
+    is_only = is_less(load(counts, 0), spread(2.0))
+    return is_less(off, choose(is_only, FIRST_JUMP * moved, spread(np.inf)))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _solve(robot, pose, wrenches, alive, wanted, rules, exact, steps, solver, work):
+    """Solve wanted lanes, again while needles bend more than their steps were measured for."""
+    total = solve(robot, pose, wrenches, wanted, rules, exact, steps, solver, work)
+    for _ in range(CHECKS):
+        solved = is_less(total, spread(rules.tolerance))
+        sure = choose(wanted, solved, alive)
+        if not _has_grown(wrenches, sure, solver.checked):
+            break
+        solver.checked[:] = wrenches
+        fine = choose_steps(robot, pose, wrenches, sure, rules.budget, steps, work)
+        again = solve(robot, pose, wrenches, wanted * solved, rules, exact, steps, solver, work)
+        total = choose(wanted * solved, choose(fine, again, spread(np.inf)), total)
+    return total
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -189,9 +230,20 @@ def _shrink(offset, counts, step):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _predict(wrenches, step, wanted):
-    """Write the first guess of a step in wanted lanes: the polynomial through the last."""
+def _predict(robot, edges, wrenches, step, wanted):
+    """Write the first guess of a step in wanted lanes: the polynomial through the last; of the
+    first step, wrenches that turn with their needles, which are then turned but hardly bent."""
     now, points = wrenches[step], min(step, POINTS)
+    if step == 1:
+        for joint in range(len(robot.snare)):
+            for first in range(6 * joint, 6 * joint + 6, 3):
+                x, y, z = load_vector(wrenches[0], first)
+                for axis in range(3):
+                    a = load_vector(edges.turns, 9 * robot.snare[joint] + 3 * axis)
+                    turned = a[0] * x + a[1] * y + a[2] * z
+                    row = first + axis
+                    store(now, row, choose(wanted, turned, load(now, row)))
+        return
     for row in range(len(now)):
         guess, weight = spread(0.0), float(points)
         for back in range(1, points + 1):

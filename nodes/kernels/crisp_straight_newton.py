@@ -31,6 +31,7 @@ class Solver(NamedTuple):
     jacobian, columns, moves : (36 k^2,), (36,), (36 k,) for `find_jacobian`.
     totals : (PATIENCE,) magnitudes of the last residuals.
     product : (36 k^2,) of Jacobian and inverse.
+    signs : (LANES,) of the determinants of Jacobians that were inverted last.
     square : (6 k, 12 k) no lanes: to invert one.
     steps : (2 k,) int64 of the Jacobian's rods.
     """
@@ -47,6 +48,7 @@ class Solver(NamedTuple):
     moves: np.ndarray
     totals: np.ndarray
     product: np.ndarray
+    signs: np.ndarray
     square: np.ndarray
     steps: np.ndarray
 

@@ -7,7 +7,7 @@ from nodes.kernels.crisp_lanes_vectors import add_cross, load_vector, subtract
 from nodes.kernels.crisp_straight_residual import SITE_ROWS, carried, follow_tool
 from nodes.kernels.crisp_straight_rod import follow_rod
 
-LADDER = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
+LADDER = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)
 _USUAL = 3  # rung whose steps find where the tool's later segments start
 
 

@@ -1,13 +1,12 @@
 """From one solved configuration to another along its branch, in steps as small as they must be."""
 
 from numba import njit
-from numba.cpython.unsafe.tuple import tuple_setitem
 
 from nodes.kernels.ctr_newton import settle
 from nodes.kernels.ctr_options import INNER
 from nodes.kernels.ctr_sections import cut_sections
 from nodes.kernels.ctr_stability import is_stable
-from nodes.kernels.ctr_tuples import add, take
+from nodes.kernels.ctr_tuples import add, replace, take
 
 FIRST, SHORTEST = 0.25, 1e-4  # share of the way that one step goes
 END = 2e-5  # rad, as for shapes
@@ -35,7 +34,7 @@ def follow(size, columns, weights, tubes, rotations, translations, x, limits, se
     """
     share, stride, turned, steps = 0.0, FIRST, x, 0
     for i in range(len(size)):
-        turned = tuple_setitem(turned, i, 0.0)
+        turned = replace(turned, i, 0.0)
     while share < 1.0 and stride >= SHORTEST:
         stride = min(stride, 1.0 - share)
         target, betas = _joints_at(size, weights, share + stride, rotations, translations)
@@ -50,7 +49,7 @@ def follow(size, columns, weights, tubes, rotations, translations, x, limits, se
         fine = settled and far < MOST_TURNED
         if fine and is_stable(size, columns, weights, betas, nodes, steps):
             for i in range(len(size)):
-                turned = tuple_setitem(turned, i, (y[i] - x[i]) / stride)
+                turned = replace(turned, i, (y[i] - x[i]) / stride)
             share, x = share + stride, y
             stride *= 2.0
         else:
@@ -73,5 +72,5 @@ def _joints_at(size, weights, share, rotations, translations):
         translations[2, i] = there
     target = size
     for i in range(len(size)):
-        target = tuple_setitem(target, i, rotations[2, i + 1] - rotations[2, 0])
+        target = replace(target, i, rotations[2, i + 1] - rotations[2, 0])
     return target, take(weights, translations, 2, 0)

@@ -5,12 +5,12 @@ with that, and here the angles' own derivatives by the translations are found.
 """
 
 from numba import njit
-from numba.cpython.unsafe.tuple import tuple_setitem
 
 from nodes.kernels.ctr_newton import at_bases, solve_columns
 from nodes.kernels.ctr_options import INNER
+from nodes.kernels.ctr_rotations import cross
 from nodes.kernels.ctr_torsion import accelerate, step_order_8
-from nodes.kernels.ctr_tuples import add, put, take, zeros_like
+from nodes.kernels.ctr_tuples import add, put, replace, take, zeros_like
 from nodes.kernels.ctr_twists import integrate_twists
 
 
@@ -23,7 +23,7 @@ def untwist_shifted(size, columns, shares, x, sections, count, nodes):
     """
     state, rate, above = zeros_like(columns), zeros_like(columns), zeros_like(columns)
     for i in range(len(size)):
-        state = tuple_setitem(state, i, x[i])
+        state = replace(state, i, x[i])
     node = 0
     put(state, nodes.shift, 0, 0)
     for k in range(count):
@@ -56,12 +56,14 @@ def _jump(size, owner, above, below, rate):
     m = len(size)
     for i in range(m):
         at = owner * m + i
-        rate = tuple_setitem(rate, at, rate[at] + above[i] - below[i])
+        rate = replace(rate, at, rate[at] + above[i] - below[i])
     return rate
 
 
 @njit(**INNER)
-def tip_jacobian(size, columns, weights, betas, x, row, sections, count, nodes, steps, work, out):
+def tip_jacobian(
+    size, columns, weights, betas, x, row, frame, sections, count, nodes, steps, work, out
+):
     """Write the tip Jacobian of the configuration that the nodes hold, frames placed.
 
     Where breaks coincide, the derivative is that of the order in which `cut_sections` lists them.
@@ -69,50 +71,51 @@ def tip_jacobian(size, columns, weights, betas, x, row, sections, count, nodes, 
     Parameters
     ----------
     x : angles of the tips to the innermost.
-    work : (2 m + 1, 10) scratch.
+    frame : (12,) of the entry by rows, then its place mm.
+    work : (2 m + 1, 6) scratch.
     out : (k, 6, 2 n) written: place, rotation vector; by rotations, then translations.
     """
     m = len(size)
     state, rate, bent = untwist_shifted(size, columns, weights, x, sections, count, nodes)
-    integrate_twists(size, weights, sections, count, nodes, steps, work)
+    integrate_twists(size, weights, frame, sections, count, nodes, steps, work)
     base, base_rate = take(columns, nodes.state, steps, 0), take(columns, nodes.rate, steps, 0)
     held = at_bases(weights, betas, base, base_rate)
     moved = at_bases(weights, betas, state, rate)
     first, back, backwards = 0.0, size, size
     for i in range(m):
         first -= weights[i + 1] * rate[i]
-        back = tuple_setitem(back, i, -rate[i])
-        backwards = tuple_setitem(backwards, i, -bent[i])
+        back = replace(back, i, -rate[i])
+        backwards = replace(backwards, i, -bent[i])
     own = at_bases(weights, betas, back, backwards)  # all tubes pushed out together ...
     own_spin = _spin(weights, betas, 0, back, backwards) - first
     for c in range(m):
         for i in range(m):
-            own = tuple_setitem(own, i, own[i] - moved[m + c * m + i])  # ... but not the outer ones
+            own = replace(own, i, own[i] - moved[m + c * m + i])  # ... but not the outer ones
         for i in range(6):
             work[2 * m, i] -= work[m + c, i]
         own_spin -= _spin(weights, betas, m + c * m, state, rate)
     for i in range(m):
-        own = tuple_setitem(own, i, own[i] - first)
+        own = replace(own, i, own[i] - first)
         at = m + i * m + i
-        moved = tuple_setitem(moved, at, moved[at] + rate[i] + first)
+        moved = replace(moved, at, moved[at] + rate[i] + first)
     for c in range(m):
         right = size
         for i in range(m):
-            right = tuple_setitem(right, i, 1.0 if i == c else 0.0)
+            right = replace(right, i, 1.0 if i == c else 0.0)
         _write_joint(size, weights, betas, held, right, 0.0, -1, base, base_rate, row, c + 1, nodes,
-                     work, out)  # fmt: skip
+                     frame, work, out)  # fmt: skip
         for i in range(m):
-            right = tuple_setitem(right, i, -moved[m + c * m + i])
+            right = replace(right, i, -moved[m + c * m + i])
         spin = _spin(weights, betas, m + c * m, state, rate)
         _write_joint(size, weights, betas, held, right, spin, m + c, base, base_rate, row,
-                     m + 2 + c, nodes, work, out)  # fmt: skip
+                     m + 2 + c, nodes, frame, work, out)  # fmt: skip
     right, less = size, size
     for i in range(m):
-        right, less = tuple_setitem(right, i, -1.0), tuple_setitem(less, i, -own[i])
-    _write_joint(size, weights, betas, held, right, 1.0, -1, base, base_rate, row, 0, nodes, work,
-                 out)  # fmt: skip
+        right, less = replace(right, i, -1.0), replace(less, i, -own[i])
+    _write_joint(size, weights, betas, held, right, 1.0, -1, base, base_rate, row, 0, nodes, frame,
+                 work, out)  # fmt: skip
     _write_joint(size, weights, betas, held, less, own_spin, 2 * m, base, base_rate, row, m + 1,
-                 nodes, work, out)  # fmt: skip
+                 nodes, frame, work, out)  # fmt: skip
 
 
 @njit(**INNER)
@@ -127,7 +130,21 @@ def _spin(weights, betas, column, state, rate):
 
 @njit(**INNER)
 def _write_joint(
-    size, weights, betas, held, right, spin, direct, state, rate, row, joint, nodes, work, out
+    size,
+    weights,
+    betas,
+    held,
+    right,
+    spin,
+    direct,
+    state,
+    rate,
+    row,
+    joint,
+    nodes,
+    frame,
+    work,
+    out,
 ):
     """Write a column: what the joint does itself, by turning tips so that bases stay, by spin."""
     m = len(size)
@@ -140,8 +157,14 @@ def _write_joint(
             total += tips[c] * work[c, i]
         out[row, i, joint] = total
     # The frame is carried from the base without twist, so that spin turns it by e3 - t alone.
-    out[row, 0, joint] -= spin * nodes.frame[0, 10]
-    out[row, 1, joint] += spin * nodes.frame[0, 9]
-    out[row, 3, joint] -= spin * nodes.frame[0, 2]
-    out[row, 4, joint] -= spin * nodes.frame[0, 5]
-    out[row, 5, joint] += spin * (1.0 - nodes.frame[0, 8])
+    t = (nodes.frame[0, 2], nodes.frame[0, 5], nodes.frame[0, 8])
+    axis = (frame[2], frame[5], frame[8])
+    arm = (
+        nodes.frame[0, 9] - frame[9],
+        nodes.frame[0, 10] - frame[10],
+        nodes.frame[0, 11] - frame[11],
+    )
+    moved = cross(axis, arm)
+    for i in range(3):
+        out[row, i, joint] += spin * moved[i]
+        out[row, 3 + i, joint] += spin * (axis[i] - t[i])

@@ -6,11 +6,10 @@ values that it belongs to are compared with the wanted ones [Rucker2010].
 
 import numpy as np
 from numba import njit
-from numba.cpython.unsafe.tuple import tuple_setitem
 
 from nodes.kernels.ctr_options import INNER
 from nodes.kernels.ctr_torsion import untwist, untwist_coarsely
-from nodes.kernels.ctr_tuples import add, zeros_like
+from nodes.kernels.ctr_tuples import add, replace, zeros_like
 
 COARSE_LIMIT, FINE_LIMIT = 12, 8  # iterations
 COARSE_END = 2e-3  # rad; the next, exact iteration starts here
@@ -27,12 +26,12 @@ def at_bases(weights, betas, state, rate):
     m = len(weights) - 1
     angles = state
     for column in range(0, len(state), m):
-        first = 0.0
-        for i in range(m):
+        first = -weights[1] * rate[column]
+        for i in range(1, m):
             first -= weights[i + 1] * rate[column + i]
         for i in range(m):
             twist = betas[i + 1] * (rate[column + i] + first) - betas[0] * first
-            angles = tuple_setitem(angles, column + i, state[column + i] + twist)
+            angles = replace(angles, column + i, state[column + i] + twist)
     return angles
 
 
@@ -60,8 +59,8 @@ def solve_columns(size, state, right):
     for i in range(m):
         changed = state
         for k in range(m):
-            changed = tuple_setitem(changed, m + i * m + k, right[k])
-        x = tuple_setitem(x, i, determinant(size, changed) / whole)
+            changed = replace(changed, m + i * m + k, right[k])
+        x = replace(x, i, determinant(size, changed) / whole)
     return x
 
 
@@ -71,8 +70,8 @@ def start_columns(size, angles, columns):
     m = len(size)
     state = zeros_like(columns)
     for i in range(m):
-        state = tuple_setitem(state, i, angles[i])
-        state = tuple_setitem(state, m + i * m + i, 1.0)
+        state = replace(state, i, angles[i])
+        state = replace(state, m + i * m + i, 1.0)
     return state
 
 
@@ -92,7 +91,7 @@ def update(size, weights, betas, target, state, rate):
     held = at_bases(weights, betas, state, rate)
     right, residual = size, 0.0
     for i in range(len(size)):
-        right = tuple_setitem(right, i, target[i] - held[i])
+        right = replace(right, i, target[i] - held[i])
         residual = max(residual, abs(right[i]))
     step, length = shorten(solve_columns(size, held, right))
     return step, length, residual, determinant(size, held)

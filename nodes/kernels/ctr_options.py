@@ -11,5 +11,7 @@ OUTER = {
     "fastmath": {"contract", "reassoc", "nsz"},
 }
 INNER = {**OUTER, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+# Numbers in lanes would go through memory at each call.
+INSIDE = {**INNER, "forceinline": True}
 # Where a sum's order is what makes it exact.
-EXACT = {**OUTER, "fastmath": {"contract"}}
+EXACT = {**INSIDE, "fastmath": {"contract"}}

@@ -26,13 +26,15 @@ class Joints(NamedTuple):
 class Outcomes(NamedTuple):
     """What is found for k configurations; an array without rows is not asked for.
 
+    Frames, places and rotation vectors are in the axes of the robot's base.
+
     status : (k,) int64, SOLVED, NO_SOLUTION, NOT_CONVERGED or UNSTABLE.
     tips, entries, twists : (k, n) angles at the tips and at the entry, rad; twist there, rad/mm.
-    frame : (k, 12) bending frame at the tip by rows, then its place, in the base frame, mm.
+    frame : (k, 12) bending frame at the tip by rows, then its place, mm.
     determinant, residual : (k,) of d theta / d tip angles; largest, rad, before the last step.
     least : (k,) or (0,) of `least_determinant`; not above 0 where a corner is unstable.
-    places : (k, p) mm; points : (k, p, 3) mm in the base frame.
-    jacobian : (k, 6, 2 n) of the tip in the base frame, by rotations, then translations.
+    places : (k, p) mm from the entry, even; points : (k, p, 3) mm.
+    jacobian : (k, 6, 2 n) of the tip, by rotations, then translations.
     """
 
     status: np.ndarray
@@ -49,13 +51,16 @@ class Outcomes(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """Room for one configuration: sections, nodes, joint values on the way, twists of the tip."""
+    """Room for one configuration: nodes, joint values on the way, twists of the tip; and for eight:
+    sections and how many of them, lanes for the start."""
 
     sections: Sections
     nodes: Nodes
     rotations: np.ndarray
     translations: np.ndarray
     twists: np.ndarray
+    counts: np.ndarray
+    group: np.ndarray
 
 
 @njit(**INNER)
@@ -63,7 +68,7 @@ def borrow_tubes(t):
     """Return the tubes without reference counts."""
     return Tubes(
         borrow(t.bending), borrow(t.torsion), borrow(t.curvature), borrow(t.straight),
-        borrow(t.length), borrow(t.weight),
+        borrow(t.length), borrow(t.weight), borrow(t.base),
     )  # fmt: skip
 
 
@@ -83,11 +88,21 @@ def borrow_scratch(scratch):
     )  # fmt: skip
     nodes = Nodes(
         borrow(n.place), borrow(n.section), borrow(n.state), borrow(n.rate), borrow(n.shift),
-        borrow(n.shift_rate), borrow(n.shift_end), borrow(n.frame), borrow(n.bend),
-        borrow(n.turning),
+        borrow(n.shift_rate), borrow(n.shift_end), borrow(n.frame), borrow(n.lanes),
+        borrow(n.ends), borrow(n.samples),
     )  # fmt: skip
     rotations, translations = borrow(scratch.rotations), borrow(scratch.translations)
-    return Scratch(sections, nodes, rotations, translations, borrow(scratch.twists))
+    twists, counts = borrow(scratch.twists), borrow(scratch.counts)
+    return Scratch(sections, nodes, rotations, translations, twists, counts, borrow(scratch.group))
+
+
+@njit(**INNER)
+def sections_of(scratch, lane):
+    """Return the sections of one of eight configurations."""
+    s = scratch.sections
+    return Sections(
+        s.place[lane], s.share[lane], s.drive[lane], s.coupled[lane], s.steps[lane], s.owner[lane]
+    )
 
 
 @njit(**INNER)

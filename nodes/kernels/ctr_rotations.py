@@ -4,20 +4,20 @@ from math import factorial
 
 from numba import njit
 
-from nodes.kernels.ctr_options import INNER
+from nodes.kernels.ctr_options import INSIDE
 
 # (z - sin)/z^3 and (1/2 - (1 - cos)/z^2)/z^2 in powers of z^2: exact to 1e-15 below 2.5 rad.
 ODD = tuple((-1) ** k / factorial(2 * k + 3) for k in range(11))
 EVEN = tuple((-1) ** k / factorial(2 * k + 4) for k in range(11))
 
 
-@njit(**INNER)
+@njit(**INSIDE)
 def cross(a, b):
     """Return the cross product."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-@njit(**INNER)
+@njit(**INSIDE)
 def rotate(r, v):
     """Return the rotated vector."""
     return (
@@ -27,7 +27,7 @@ def rotate(r, v):
     )
 
 
-@njit(**INNER)
+@njit(**INSIDE)
 def multiply(a, b):
     """Return the product of two rotations."""
     x = rotate(a, (b[0], b[3], b[6]))
@@ -36,7 +36,7 @@ def multiply(a, b):
     return x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]
 
 
-@njit(**INNER)
+@njit(**INSIDE)
 def turn(r, sine, cosine):
     """Return r times a rotation about z."""
     return (
@@ -46,14 +46,22 @@ def turn(r, sine, cosine):
     )  # fmt: skip
 
 
-@njit(**INNER)
+@njit(**INSIDE)
+def _series(c, z):
+    """Return the sum of c_k z^k; quarters of it run side by side."""
+    w = z * z
+    low = (c[0] + z * c[1]) + w * (c[2] + z * c[3])
+    high = (c[4] + z * c[5]) + w * (c[6] + z * c[7])
+    top = (c[8] + z * c[9]) + w * c[10]
+    square = w * w
+    return low + square * (high + square * top)
+
+
+@njit(**INSIDE)
 def move(w, v):
     """Return rotation and translation of the exponential of the twist (w, v), |w| below 2.5 rad."""
     z = w[0] * w[0] + w[1] * w[1] + w[2] * w[2]
-    c, d = ODD[10], EVEN[10]
-    for k in range(9, -1, -1):
-        c = ODD[k] + z * c
-        d = EVEN[k] + z * d
+    c, d = _series(ODD, z), _series(EVEN, z)
     a, b = 1.0 - z * c, 0.5 - z * d
     xx, yy, zz = w[0] * w[0], w[1] * w[1], w[2] * w[2]
     xy, xz, yz = b * w[0] * w[1], b * w[0] * w[2], b * w[1] * w[2]

@@ -5,9 +5,10 @@ from fractions import Fraction
 from math import comb
 
 from numba import njit
-from numba.cpython.unsafe.tuple import tuple_setitem
 
-from nodes.kernels.ctr_options import INNER
+from nodes.kernels.ctr_lanes import LANES, count_up, load_rows, store_points, store_rows
+from nodes.kernels.ctr_nodes import CURVE, HIGH_BEND, LOW_BEND, MOTION, ROWS, TURNING
+from nodes.kernels.ctr_options import INNER, INSIDE
 from nodes.kernels.ctr_rotations import rotate
 from nodes.kernels.ctr_tuples import take
 
@@ -33,115 +34,139 @@ def _inverse(rows: list[list[int]]) -> tuple[tuple[float, ...], ...]:
 CLOSE = _inverse([[comb(5 + j, k) for j in range(5)] for k in range(5)])
 
 
-@njit(**INNER)
+@njit(**INSIDE)
 def _derivatives(h, bend):
-    """Return h p', h^2 p''/2, h^3 p'''/6 and h^4 p''''/24 in the body's frame.
+    """Return h^2 p''/2, h^3 p'''/6 and h^4 p''''/24 in the body's frame, where h p' = h e3.
 
     With p' = R e3 and R' = R [u], p^(k+1) = R (u x w_k + w_k') for p^(k) = R w_k.
     """
     x, y, z, x1, y1, x2, y2 = bend
     bent = x * x + y * y
-    two = h * h / 2
-    three = two * h / 3
-    four = three * h / 4
-    first = (x * z + y1, y * z - x1, -bent)
-    lean = 3 * (x * x1 + y * y1)
+    two = h * h * (1 / 2)
+    three = two * h * (1 / 3)
+    four = three * h * (1 / 4)
     rest_x = 2 * x1 * z + y2 - y * bent - z * z * y
     rest_y = 2 * y1 * z - x2 + x * bent + z * z * x
     return (
-        (0.0, 0.0, h),
-        (two * y, -two * x, 0.0),
-        (three * first[0], three * first[1], three * first[2]),
-        (four * rest_x, four * rest_y, -four * lean),
+        (two * y, -two * x),
+        (three * (x * z + y1), three * (y * z - x1), -three * bent),
+        (four * rest_x, four * rest_y, -3 * four * (x * x1 + y * y1)),
     )
 
 
 @njit(**INNER)
-def _polynomials(h, frame_low, frame_high, low, high, gap):
-    """Return ten coefficients by t in [0, 1] for each axis, the constant left 0.
-
-    gap : position at the upper end less that at the lower end.
-    """
-    down, up = _derivatives(h, low), _derivatives(h, high)
-    one, two = rotate(frame_low, down[0]), rotate(frame_low, down[1])
-    three, four = rotate(frame_low, down[2]), rotate(frame_low, down[3])
-    end1, end2 = rotate(frame_high, up[0]), rotate(frame_high, up[1])
-    end3, end4 = rotate(frame_high, up[2]), rotate(frame_high, up[3])
-    axes = (
-        _close(gap[0], one[0], two[0], three[0], four[0], end1[0], end2[0], end3[0], end4[0]),
-        _close(gap[1], one[1], two[1], three[1], four[1], end1[1], end2[1], end3[1], end4[1]),
-        _close(gap[2], one[2], two[2], three[2], four[2], end1[2], end2[2], end3[2], end4[2]),
+def fit_curves(lanes, block):
+    """Write the coefficients of the polynomials by t in [0, 1] through eight steps, in the frames
+    at their lower ends: those of degree 2 to 9 across, of degree 3 to 9 along the tangent."""
+    bend = (0.0,) * 7
+    (h,) = load_rows((0.0,), lanes, block)
+    gap = load_rows((0.0,) * 3, lanes, block + MOTION + 9)
+    turning = load_rows((0.0,) * 9, lanes, block + TURNING)
+    two, three, four = _derivatives(h, load_rows(bend, lanes, block + LOW_BEND))
+    flat, end3, end4 = _derivatives(h, load_rows(bend, lanes, block + HIGH_BEND))
+    end1 = (h * turning[2], h * turning[5], h * turning[8])
+    end2 = (
+        turning[0] * flat[0] + turning[1] * flat[1],
+        turning[3] * flat[0] + turning[4] * flat[1],
+        turning[6] * flat[0] + turning[7] * flat[1],
     )
-    return axes
+    end3, end4 = rotate(turning, end3), rotate(turning, end4)
+    for i in range(2):
+        known = (two[i], three[i], four[i])
+        high = _close(
+            gap[i] - two[i], end1[i] - 2 * two[i], end2[i] - two[i], end3[i], end4[i], known[1:]
+        )
+        store_rows(known + high, lanes, block + CURVE + 8 * i)
+    high = _close(gap[2] - h, end1[2] - h, end2[2], end3[2], end4[2], (three[2], four[2]))
+    store_rows((three[2], four[2], *high), lanes, block + CURVE + 16)
+
+
+@njit(**INSIDE)
+def _close(lack0, lack1, lack2, end3, end4, known):
+    """Return coefficients 5 to 9 from what the others, but 3 and 4, leave to the upper end."""
+    three, four = known
+    a = lack0 - three - four
+    b = lack1 - 3 * three - 4 * four
+    c = lack2 - 3 * three - 6 * four
+    d = end3 - three - 4 * four
+    e = end4 - four
+    return (
+        _sum5(CLOSE[0], a, b, c, d, e),
+        _sum5(CLOSE[1], a, b, c, d, e),
+        _sum5(CLOSE[2], a, b, c, d, e),
+        _sum5(CLOSE[3], a, b, c, d, e),
+        _sum5(CLOSE[4], a, b, c, d, e),
+    )
+
+
+@njit(**INSIDE)
+def _sum5(row, a, b, c, d, e):
+    return row[0] * a + row[1] * b + row[2] * c + row[3] * d + row[4] * e
 
 
 @njit(**INNER)
-def _close(gap, one, two, three, four, end1, end2, end3, end4):
-    lack = (
-        gap - one - two - three - four,
-        end1 - one - 2 * two - 3 * three - 4 * four,
-        end2 - two - 3 * three - 6 * four,
-        end3 - three - 4 * four,
-        end4 - four,
-    )
-    high = lack
-    for i in range(5):
-        total = 0.0
-        for k in range(5):
-            total += CLOSE[i][k] * lack[k]
-        high = tuple_setitem(high, i, total)
-    return (0.0, one, two, three, four, high[0], high[1], high[2], high[3], high[4])
-
-
-@njit(**INNER)
-def sample_points(nodes, steps, places, row, points):
-    """Write the points at given places.
+def sample_points(nodes, steps, row, places, points):
+    """Write points at even distances from the entry to the tip, and where those are.
 
     Parameters
     ----------
-    nodes, steps : with frames placed.
-    places : (k, n) rising, mm from the entry, within the robot.
+    nodes, steps : with frames placed; `nodes.samples` is written.
     row : which configuration.
-    points : (k, n, 3) written, mm in the base frame.
+    places : (k, n) written, mm from the entry.
+    points : (k, n, 3) written, mm.
     """
-    count = places.shape[1]
+    count, length = places.shape[1], nodes.place[0] if steps > 0 else 0.0
+    spacing = length / max(count - 1, 1)
+    for i in range(count):
+        places[row, i] = spacing * i
     sample = 0
     for k in range(steps - 1, -1, -1):
-        start, h = nodes.place[k + 1], nodes.place[k] - nodes.place[k + 1]
-        stop = sample
-        while stop < count and (places[row, stop] <= nodes.place[k] or k == 0):
-            stop += 1
-        if stop == sample:
-            continue
-        px, py, pz = _step_polynomials(nodes, k, h)
-        inverse = 1.0 / h
-        x, y, z = nodes.frame[k + 1, 9], nodes.frame[k + 1, 10], nodes.frame[k + 1, 11]
-        for i in range(sample, stop):
-            t = (places[row, i] - start) * inverse
-            points[row, i, 0] = x + _value(px, t)
-            points[row, i, 1] = y + _value(py, t)
-            points[row, i, 2] = z + _value(pz, t)
-        sample = stop
-    for i in range(sample, count):  # a robot drawn in completely has no step
-        points[row, i, 0] = points[row, i, 1] = points[row, i, 2] = 0.0
+        block, lane = k // LANES * ROWS, k % LANES
+        if lane == LANES - 1 or k == steps - 1:
+            fit_curves(nodes.lanes, block)
+        stop = count if k == 0 else min(int(nodes.place[k] / spacing) + 1, count)
+        for first in range(sample, stop, LANES):
+            _evaluate(nodes, k, block, lane, first, spacing)
+        sample = max(sample, stop)
+    if steps == 0:  # drawn in completely
+        for i in range(count):
+            for axis in range(3):
+                nodes.samples[i, axis] = nodes.frame[0, 9 + axis]
+    for i in range(count):
+        for axis in range(3):
+            points[row, i, axis] = nodes.samples[i, axis]
 
 
-@njit(**INNER)
-def _step_polynomials(nodes, k, h):
-    frame, bend = (0.0,) * 9, (0.0,) * 7
-    down, up = take(frame, nodes.frame, k + 1, 0), take(frame, nodes.turning, k, 0)
-    gap = (
-        nodes.frame[k, 9] - nodes.frame[k + 1, 9],
-        nodes.frame[k, 10] - nodes.frame[k + 1, 10],
-        nodes.frame[k, 11] - nodes.frame[k + 1, 11],
-    )
-    low, high = take(bend, nodes.bend, k, 0), take(bend, nodes.bend, k, 7)
-    return _polynomials(h, down, up, low, high, gap)
-
-
-@njit(**INNER)
-def _value(c, t):
+@njit(**INSIDE)
+def _evaluate(nodes, k, block, lane, first, spacing):
+    """Write the eight points that begin with a sample; those beyond the step, the next one will."""
+    lanes, at = nodes.lanes, block + CURVE
+    h = lanes[block, lane]
+    t = (count_up(float(first)) * spacing - nodes.place[k + 1]) * (1.0 / h)
     w = t * t
-    low = (c[1] + t * c[2]) + w * (c[3] + t * c[4])
-    high = (c[5] + t * c[6]) + w * ((c[7] + t * c[8]) + w * c[9])
-    return t * (low + w * w * high)
+    x = w * _value(lanes, at, lane, t, w)
+    y = w * _value(lanes, at + 8, lane, t, w)
+    z = h * t + w * t * _value_along(lanes, at + 16, lane, t, w)
+    frame = take((0.0,) * 12, nodes.frame, k + 1, 0)
+    store_points(
+        frame[0] * x + frame[1] * y + frame[2] * z + frame[9],
+        frame[3] * x + frame[4] * y + frame[5] * z + frame[10],
+        frame[6] * x + frame[7] * y + frame[8] * z + frame[11],
+        nodes.samples,
+        first,
+    )
+
+
+@njit(**INSIDE)
+def _value(c, at, lane, t, w):
+    """Return sum c_k t^k for eight coefficients in a column."""
+    low = (c[at, lane] + t * c[at + 1, lane]) + w * (c[at + 2, lane] + t * c[at + 3, lane])
+    high = (c[at + 4, lane] + t * c[at + 5, lane]) + w * (c[at + 6, lane] + t * c[at + 7, lane])
+    return low + w * w * high
+
+
+@njit(**INSIDE)
+def _value_along(c, at, lane, t, w):
+    """Return sum c_k t^k for seven coefficients in a column."""
+    low = (c[at, lane] + t * c[at + 1, lane]) + w * (c[at + 2, lane] + t * c[at + 3, lane])
+    return low + w * w * (c[at + 4, lane] + t * c[at + 5, lane] + w * c[at + 6, lane])

@@ -23,6 +23,7 @@ class Tubes(NamedTuple):
     curvature : (n,) of the curved part, 1/mm.
     straight, length : (n,) of the straight part and of all of it, mm.
     weight : (n,) G J as a share of their sum.
+    base : (12,) frame of the entry by rows, then its place mm, in the axes that results are in.
     """
 
     bending: np.ndarray
@@ -31,6 +32,7 @@ class Tubes(NamedTuple):
     straight: np.ndarray
     length: np.ndarray
     weight: np.ndarray
+    base: np.ndarray
 
 
 class Sections(NamedTuple):

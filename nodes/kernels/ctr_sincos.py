@@ -5,7 +5,9 @@ from math import factorial
 import numpy as np
 from numba import njit
 
-from nodes.kernels.ctr_options import EXACT
+from nodes.kernels.ctr_lanes import nearest, turn_quarters
+from nodes.kernels.ctr_options import EXACT, INSIDE
+from nodes.kernels.ctr_tuples import replace
 
 TWO_OVER_PI = 2 / np.pi
 HALF_PI_HIGH = round(np.pi / 2 * 2**32) / 2**32  # so short that 2^20 times it is exact
@@ -17,8 +19,8 @@ C2, C4, C6, C8, C10, C12, C14, C16 = ((-1) ** (n // 2) / factorial(n) for n in r
 
 @njit(**EXACT)
 def sincos(angle):
-    """Return sin and cos of an angle below 1e6 rad, to 2e-15."""
-    quarter = np.rint(angle * TWO_OVER_PI)
+    """Return sin and cos of an angle below 1e6 rad, to 2e-15: of a float or of lanes."""
+    quarter = nearest(angle * TWO_OVER_PI)
     x = (angle - quarter * HALF_PI_HIGH) - quarter * HALF_PI_LOW
     z = x * x
     w = z * z  # two halves of each series run side by side
@@ -26,7 +28,14 @@ def sincos(angle):
     odd = x + x * z * odd
     even = (C4 + z * C6) + w * ((C8 + z * C10) + w * ((C12 + z * C14) + w * C16))
     even = 1.0 + z * (C2 + z * even)
-    turn = int(quarter)
-    sine = even if turn & 1 else odd
-    cosine = odd if turn & 1 else even
-    return (-sine if turn & 2 else sine), (-cosine if (turn + 1) & 2 else cosine)
+    return turn_quarters(quarter, odd, even)
+
+
+@njit(**INSIDE)
+def all_sincos(angles):
+    """Return the sines and the cosines of some angles."""
+    sines, cosines = angles, angles
+    for i in range(len(angles)):
+        one, other = sincos(angles[i])
+        sines, cosines = replace(sines, i, one), replace(cosines, i, other)
+    return sines, cosines

@@ -6,49 +6,58 @@ real, has none below 0. Then det M > 0; along a motion det M = 0 is where the ro
 """
 
 from numba import njit
-from numba.cpython.unsafe.tuple import tuple_setitem
 
-from nodes.kernels.ctr_newton import at_bases, determinant, solve_columns
+from nodes.kernels.ctr_newton import at_bases, determinant
 from nodes.kernels.ctr_options import INNER
-from nodes.kernels.ctr_tuples import add, take, zeros_like
+from nodes.kernels.ctr_tuples import add, replace, take, zeros_like
 
-TERMS = 28  # of the power series over a section; exact to 1e-15 for wave numbers below 3 / length
+TERMS = 28  # of the power series over a cut; exact to 1e-15 for wave numbers below 3 / length
+STEPS_A_CUT = 3  # of the integration, half a radian each: so a cut can't buckle between held ends
 
 
 @njit(**INNER)
 def has_positive_ratio(size, over, under):
-    """Return whether M V^-1 has positive eigenvalues only, by the invariants of the matrix.
+    """Return whether M V^-1 has positive eigenvalues only, which are real.
+
+    Then all coefficients of the polynomial det(M + x V) are positive, and only then.
 
     Parameters
     ----------
     over, under : states whose columns are M and V.
     """
     m = len(size)
-    whole = determinant(size, under)
-    if not whole > 0.0 or not determinant(size, over) > 0.0:
+    if not determinant(size, under) > 0.0 or not determinant(size, over) > 0.0:
         return False
-    trace, inverse_trace = 0.0, 0.0
-    for column in range(m):
-        # det of V with one column from M, summed, is det V tr(V^-1 M), which has the same trace.
-        one, other = size, size
-        for i in range(m):
-            one = tuple_setitem(one, i, over[m + column * m + i])
-            other = tuple_setitem(other, i, under[m + column * m + i])
-        trace += solve_columns(size, under, one)[column]
-        inverse_trace += solve_columns(size, over, other)[column]
-    # The second invariant of a 3 x 3 matrix is its determinant times the trace of its inverse.
-    return trace > 0.0 and (m < 3 or inverse_trace > 0.0)
+    if m > 1 and not _mixed_determinant(size, under, over) > 0.0:
+        return False
+    return m < 3 or _mixed_determinant(size, over, under) > 0.0
+
+
+@njit(**INNER)
+def _mixed_determinant(size, state, other):
+    """Return the derivative of det(state + x other) by x at 0."""
+    m, total = len(size), 0.0
+    for column in range(m, m + m * m, m):
+        changed = state
+        for i in range(column, column + m):
+            changed = replace(changed, i, other[i])
+        total += determinant(size, changed)
+    return total
 
 
 @njit(**INNER)
 def is_stable(size, columns, weights, betas, nodes, steps):
-    """Return whether the configuration that the nodes hold is stable."""
-    state = columns
+    """Return whether the configuration that the nodes hold is stable.
+
+    Signs of det V alone would miss two modes that are lost within one step. Over a step so short
+    that it can't buckle between held ends, V(k+1) V(k)^-1 has a negative eigenvalue for each mode
+    that is lost in it [Wittrick1971].
+    """
+    state = take(columns, nodes.state, 0, 0)
     for node in range(1, steps + 1):
-        state = take(columns, nodes.state, node, 0)
-        if not determinant(size, state) > 0.0:
+        before, state = state, take(columns, nodes.state, node, 0)
+        if not has_positive_ratio(size, state, before):
             return False
-    state = take(columns, nodes.state, steps, 0)
     rate = take(columns, nodes.rate, steps, 0)
     return has_positive_ratio(size, at_bases(weights, betas, state, rate), state)
 
@@ -68,7 +77,7 @@ def least_determinant(size, columns, weights, betas, sections, count):
     for corner in range(1, 2 ** len(size)):
         signs = size
         for i in range(len(size)):
-            signs = tuple_setitem(signs, i, -1.0 if corner >> i & 1 else 1.0)
+            signs = replace(signs, i, -1.0 if corner >> i & 1 else 1.0)
         det, fine = _corner(size, columns, weights, betas, signs, sections, count)
         least, stable = min(least, det), stable and fine
     return least, stable
@@ -79,15 +88,19 @@ def _corner(size, columns, weights, betas, signs, sections, count):
     m = len(size)
     state, rate, fine = zeros_like(columns), zeros_like(columns), True
     for i in range(m):
-        state = tuple_setitem(state, m + i * m + i, 1.0)
+        state = replace(state, m + i * m + i, 1.0)
     for k in range(count):
         h = sections.place[k + 1] - sections.place[k]
         if sections.coupled[k] and h < 0.0:
             share, drive = take(weights, sections.share, k, 0), take(weights, sections.drive, k, 0)
-            state, rate = _oscillate(size, share, drive, signs, h, state, rate)
-            fine = fine and determinant(size, state) > 0.0
+            cuts = (sections.steps[k] + STEPS_A_CUT - 1) // STEPS_A_CUT
+            for _ in range(cuts):
+                before = state
+                state, rate = _oscillate(size, share, drive, signs, h / cuts, state, rate)
+                fine = fine and has_positive_ratio(size, state, before)
         else:
-            state = add(state, h, rate)
+            before, state = state, add(state, h, rate)
+            fine = fine and has_positive_ratio(size, state, before)
     held = at_bases(weights, betas, state, rate)
     return determinant(size, held), fine and has_positive_ratio(size, held, state)
 
@@ -120,5 +133,5 @@ def _stiffness_times(size, share, drive, signs, state):
             more += share[i + 1] * signs[i] * state[column + i]
         for i in range(m):
             pull = drive[i + 1] * signs[i] * (along * state[column + i] - more)
-            out = tuple_setitem(out, column + i, pull + drive[0] * more)
+            out = replace(out, column + i, pull + drive[0] * more)
     return out

@@ -9,11 +9,10 @@ follows [Dupont2010]. With (C, Z) = sum_j share_j (cos, sin)(phi_j), phi_1 = 0,
 """
 
 from numba import njit
-from numba.cpython.unsafe.tuple import tuple_setitem
 
-from nodes.kernels.ctr_options import INNER
-from nodes.kernels.ctr_sincos import sincos
-from nodes.kernels.ctr_tuples import add, put, take
+from nodes.kernels.ctr_options import INNER, INSIDE
+from nodes.kernels.ctr_sincos import all_sincos
+from nodes.kernels.ctr_tuples import add, put, replace, take
 from nodes.kernels.nystroem_tables import ORDER_4, ORDER_8
 
 HALF = ORDER_4.nodes[1]
@@ -24,29 +23,36 @@ A2, A3, A4, A5, A6, A7, A8 = ORDER_8.stages[1:]
 VALUES_8, RATES_8 = ORDER_8.values, ORDER_8.rates
 
 
+@njit(**INSIDE)
+def angles_of(size, state):
+    """Return the angles of a state."""
+    for i in range(len(size)):
+        size = replace(size, i, state[i])
+    return size
+
+
 @njit(**INNER)
 def accelerate(size, share, drive, state):
     """Return the second derivative of the state by arc length; `size` is as long as the angles."""
     m = len(size)
-    sine, cosine, bent = size, size, state
-    along, across = share[0], 0.0
-    for i in range(m):
-        one, other = sincos(state[i])
-        sine, cosine = tuple_setitem(sine, i, one), tuple_setitem(cosine, i, other)
-        along += share[i + 1] * other
-        across += share[i + 1] * one
+    sine, cosine = all_sincos(angles_of(size, state))
+    along, across = share[0] + share[1] * cosine[0], share[1] * sine[0]
+    for i in range(1, m):
+        along += share[i + 1] * cosine[i]
+        across += share[i + 1] * sine[i]
+    bent = state
     for i in range(m):
         pull = drive[i + 1] * (sine[i] * along - cosine[i] * across)
-        bent = tuple_setitem(bent, i, pull + drive[0] * across)
+        bent = replace(bent, i, pull + drive[0] * across)
     for column in range(m, len(state), m):
-        less, more = 0.0, 0.0
-        for i in range(m):
+        less, more = -share[1] * sine[0] * state[column], share[1] * cosine[0] * state[column]
+        for i in range(1, m):
             less -= share[i + 1] * sine[i] * state[column + i]
             more += share[i + 1] * cosine[i] * state[column + i]
         for i in range(m):
             own = (cosine[i] * along + sine[i] * across) * state[column + i]
             pull = drive[i + 1] * (own + sine[i] * less - cosine[i] * more)
-            bent = tuple_setitem(bent, column + i, pull + drive[0] * more)
+            bent = replace(bent, column + i, pull + drive[0] * more)
     return bent
 
 
@@ -59,9 +65,9 @@ def step_order_4(size, share, drive, h, state, rate):
     f3 = accelerate(size, share, drive, add(add(state, h, rate), LAST_4 * g, f2))
     for i in range(len(state)):
         pull = VALUES_4[0] * f1[i] + VALUES_4[1] * f2[i]
-        state = tuple_setitem(state, i, state[i] + h * rate[i] + g * pull)
+        state = replace(state, i, state[i] + h * rate[i] + g * pull)
         pull = RATES_4[0] * f1[i] + RATES_4[1] * f2[i] + RATES_4[2] * f3[i]
-        rate = tuple_setitem(rate, i, rate[i] + h * pull)
+        rate = replace(rate, i, rate[i] + h * pull)
     return state, rate
 
 
@@ -75,23 +81,23 @@ def step_order_8(size, share, drive, h, state, rate):
     f1 = accelerate(size, share, drive, state)
     for i in range(len(state)):
         pull = A2[0] * f1[i]
-        at = tuple_setitem(at, i, state[i] + N2 * h * rate[i] + g * pull)
+        at = replace(at, i, state[i] + N2 * h * rate[i] + g * pull)
     f2 = accelerate(size, share, drive, at)
     for i in range(len(state)):
         pull = A3[0] * f1[i] + A3[1] * f2[i]
-        at = tuple_setitem(at, i, state[i] + N3 * h * rate[i] + g * pull)
+        at = replace(at, i, state[i] + N3 * h * rate[i] + g * pull)
     f3 = accelerate(size, share, drive, at)
     for i in range(len(state)):
         pull = A4[0] * f1[i] + A4[1] * f2[i] + A4[2] * f3[i]
-        at = tuple_setitem(at, i, state[i] + N4 * h * rate[i] + g * pull)
+        at = replace(at, i, state[i] + N4 * h * rate[i] + g * pull)
     f4 = accelerate(size, share, drive, at)
     for i in range(len(state)):
         pull = A5[0] * f1[i] + A5[1] * f2[i] + A5[2] * f3[i] + A5[3] * f4[i]
-        at = tuple_setitem(at, i, state[i] + N5 * h * rate[i] + g * pull)
+        at = replace(at, i, state[i] + N5 * h * rate[i] + g * pull)
     f5 = accelerate(size, share, drive, at)
     for i in range(len(state)):
         pull = A6[0] * f1[i] + A6[1] * f2[i] + A6[2] * f3[i] + A6[3] * f4[i] + A6[4] * f5[i]
-        at = tuple_setitem(at, i, state[i] + N6 * h * rate[i] + g * pull)
+        at = replace(at, i, state[i] + N6 * h * rate[i] + g * pull)
     f6 = accelerate(size, share, drive, at)
     for i in range(len(state)):
         pull = (
@@ -102,7 +108,7 @@ def step_order_8(size, share, drive, h, state, rate):
             + A7[4] * f5[i]
             + A7[5] * f6[i]
         )
-        at = tuple_setitem(at, i, state[i] + N7 * h * rate[i] + g * pull)
+        at = replace(at, i, state[i] + N7 * h * rate[i] + g * pull)
     f7 = accelerate(size, share, drive, at)
     for i in range(len(state)):
         pull = (
@@ -114,7 +120,7 @@ def step_order_8(size, share, drive, h, state, rate):
             + A8[5] * f6[i]
             + A8[6] * f7[i]
         )
-        at = tuple_setitem(at, i, state[i] + N8 * h * rate[i] + g * pull)
+        at = replace(at, i, state[i] + N8 * h * rate[i] + g * pull)
     f8 = accelerate(size, share, drive, at)
     for i in range(len(state)):
         pull = (
@@ -125,7 +131,7 @@ def step_order_8(size, share, drive, h, state, rate):
             + VALUES_8[5] * f6[i]
             + VALUES_8[6] * f7[i]
         )
-        at = tuple_setitem(at, i, state[i] + h * rate[i] + g * pull)
+        at = replace(at, i, state[i] + h * rate[i] + g * pull)
         pull = (
             RATES_8[0] * f1[i]
             + RATES_8[2] * f3[i]
@@ -135,7 +141,7 @@ def step_order_8(size, share, drive, h, state, rate):
             + RATES_8[6] * f7[i]
             + RATES_8[7] * f8[i]
         )
-        rate = tuple_setitem(rate, i, rate[i] + h * pull)
+        rate = replace(rate, i, rate[i] + h * pull)
     return at, rate
 
 

@@ -1,15 +1,15 @@
 """One configuration looked at closely, and the way from one to another."""
 
 from numba import njit
-from numba.cpython.unsafe.tuple import tuple_setitem
 
 from nodes.kernels.ctr_continuation import follow
+from nodes.kernels.ctr_frames import place_frames
 from nodes.kernels.ctr_options import OUTER
-from nodes.kernels.ctr_pose import place_frames
+from nodes.kernels.ctr_outcomes import sections_of
 from nodes.kernels.ctr_sections import cut_sections
 from nodes.kernels.ctr_solve import FOR_SHAPE, weights_of
 from nodes.kernels.ctr_torsion import untwist_through
-from nodes.kernels.ctr_tuples import zeros_like
+from nodes.kernels.ctr_tuples import replace, zeros_like
 
 
 @njit(**OUTER)
@@ -24,16 +24,16 @@ def trace(size, columns, tubes, joints, tips, places, scratch, angles):
     angles : (nodes, n) written: psi of all tubes.
     """
     weights = weights_of(size, tubes)
-    sections, nodes = scratch.sections, scratch.nodes
+    sections, nodes = sections_of(scratch, 0), scratch.nodes
     count = cut_sections(tubes, joints.translations, 0, FOR_SHAPE, sections)
     state = zeros_like(columns)
     for i in range(len(size)):
-        state = tuple_setitem(state, i, tips[i + 1] - tips[0])
+        state = replace(state, i, tips[i + 1] - tips[0])
     steps = untwist_through(
         size, weights, sections, count, state, zeros_like(columns), places, nodes
     )
     beta, theta = joints.translations[0, 0], joints.rotations[0, 0]
-    entry, _ = place_frames(size, weights, beta, theta, sections, nodes, steps)
+    entry, _ = place_frames(size, weights, beta, theta, tubes.base, sections, nodes, steps)
     for node in range(steps + 1):
         first = entry
         for i in range(len(size)):
@@ -54,10 +54,10 @@ def follow_row(size, columns, tubes, rotations, translations, tips, scratch):
     tips : (n,) angles at the tips, at the start; written: where the motion ends or snaps.
     """
     weights = weights_of(size, tubes)
-    sections, nodes = scratch.sections, scratch.nodes
+    sections, nodes = sections_of(scratch, 0), scratch.nodes
     x = size
     for i in range(len(size)):
-        x = tuple_setitem(x, i, tips[i + 1] - tips[0])
+        x = replace(x, i, tips[i + 1] - tips[0])
     x, share, steps = follow(
         size, columns, weights, tubes, rotations, translations, x, FOR_SHAPE, sections, nodes
     )

@@ -15,6 +15,7 @@ from nodes.mechanics.robots import (
 
 # Ends that are meant to stand at one place differ by less, since they are sums of lengths.
 ROUNDING_MM = 1e-9
+MOST_TURN_RAD = 1e6
 
 
 def check_concentric_tube_configuration(
@@ -39,6 +40,7 @@ def check_concentric_tube_configuration(
     )
     check_finite("translations_mm", translations)
     check_finite("rotations_rad", rotations)
+    _check_turns(rotations)
     tips = translations + np.array([tube.length_mm for tube in robot.tubes])
     _check_bases(translations)
     _check_tips(tips)
@@ -48,10 +50,21 @@ def check_concentric_tube_configuration(
         _check_limits("rotations_rad", rotations, robot.rotation_limits_rad, "rad")
 
 
+def _check_turns(rotations: Float[np.ndarray, "tube"]) -> None:
+    for tube in np.flatnonzero(abs(rotations) >= MOST_TURN_RAD)[:1]:
+        raise BadInput(
+            f"rotations_rad[{tube}] = {rotations[tube]:g} rad",
+            f"a rotation is below {MOST_TURN_RAD:g} rad, or its digits don't tell where it ends",
+            "take whole turns off",
+        )
+
+
 def _check_bases(translations: Float[np.ndarray, "tube"]) -> None:
     ahead = np.append(translations[1:], 0.0)
     for tube in np.flatnonzero(translations > ahead + ROUNDING_MM)[:1]:
-        front = "the entry plane" if tube == len(translations) - 1 else f"tube {tube + 1}'s base"
+        front = (
+            "the entry plane" if tube == len(translations) - 1 else f"the base of tubes[{tube + 1}]"
+        )
         raise BadInput(
             f"translations_mm[{tube}] = {translations[tube]:g} mm, beyond {front} at"
             f" {ahead[tube]:g} mm",
@@ -65,10 +78,10 @@ def _check_tips(tips: Float[np.ndarray, "tube"]) -> None:
     around = np.append(tips[1:], 0.0)
     for tube in np.flatnonzero(tips < around - ROUNDING_MM)[:1]:
         last = tube == len(tips) - 1
-        where = "behind the entry plane at 0 mm" if last else f"inside of tube {tube + 1}, which"
+        where = "behind the entry plane at 0 mm" if last else f"inside of tubes[{tube + 1}], which"
         where += "" if last else f" ends at {around[tube]:g} mm"
         raise BadInput(
-            f"tube {tube} ends at {tips[tube]:g} mm, {where}",
+            f"tubes[{tube}] ends at {tips[tube]:g} mm, {where}",
             "each tube reaches at least as far as the one around it, the last to the entry plane",
             f"raise translations_mm[{tube}] by at least {around[tube] - tips[tube]:.3g} mm"
             + ("" if last else ", or draw the tubes around it back"),

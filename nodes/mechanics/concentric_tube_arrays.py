@@ -8,7 +8,6 @@ from jaxtyping import Float
 from nodes.mechanics.robots import ConcentricTubeRobot
 
 if TYPE_CHECKING:
-    from nodes.kernels.ctr_nodes import Nodes
     from nodes.kernels.ctr_outcomes import Outcomes, Scratch
     from nodes.kernels.ctr_sections import Tubes
 
@@ -39,7 +38,9 @@ def to_tubes(robot: ConcentricTubeRobot) -> "Tubes":
         bending, torsion = np.append(bending, 0.0), np.append(torsion, 1.0)
         curvature, weight = np.append(curvature, zero), np.append(weight, zero)
         straight, length = np.append(straight, zero), np.append(length, zero)
-    return Tubes(bending, torsion, curvature, straight, length, weight)
+    base = robot.patient_from_base
+    frame = np.concatenate([base[:3, :3].ravel(), base[:3, 3]])
+    return Tubes(bending, torsion, curvature, straight, length, weight, frame)
 
 
 def bent_backwards(robot: ConcentricTubeRobot) -> Float[np.ndarray, " tube"]:
@@ -53,54 +54,50 @@ def with_ghost(values: Float[np.ndarray, "k tube"]) -> Float[np.ndarray, "k n"]:
     return values if values.shape[1] > 1 else np.concatenate([values, 0 * values], axis=1)
 
 
-def make_scratch(tubes: int, places: int = 0) -> "Scratch":
-    """Return room for one configuration of that many tubes, ghost included, traced at places."""
+def make_scratch(tubes: int, places: int = 0, samples: int = 0) -> "Scratch":
+    """Return room for configurations of that many tubes, ghost included.
+
+    Parameters
+    ----------
+    places : at which one of them is traced.
+    samples : points of each that are wanted.
+    """
+    from nodes.kernels.ctr_approach import BLOCKS
+    from nodes.kernels.ctr_lanes import LANES, make_rooms
+    from nodes.kernels.ctr_nodes import END_ROWS, ROWS, Nodes
     from nodes.kernels.ctr_outcomes import Scratch
     from nodes.kernels.ctr_sections import Sections
 
-    breaks, width = 2 * tubes + 1, tubes * (tubes - 1)
-    sections = Sections(
-        place=np.zeros(breaks),
-        share=np.zeros((breaks, tubes)),
-        drive=np.zeros((breaks, tubes)),
-        coupled=np.zeros(breaks, np.bool_),
-        steps=np.zeros(breaks, np.int64),
-        owner=np.zeros((breaks, 2), np.int64),
-    )
-    nodes = make_nodes(MOST_STEPS + places, width)
-    return Scratch(sections, nodes, *np.zeros((2, 3, tubes)), np.zeros((2 * tubes, 10)))
-
-
-def make_nodes(count: int, width: int) -> "Nodes":
-    """Return room for the nodes of one configuration; `width` is that of a state."""
-    from nodes.kernels.ctr_nodes import Nodes
-
-    states = [np.zeros((count, width)) for _ in range(5)]
-    frame, bend = np.zeros((count, 12)), np.zeros((count, 14))
-    turning = np.zeros((count, 9))
-    place, section = np.zeros(count), np.zeros(count, np.int64)
-    return Nodes(place, section, *states, frame, bend, turning)
+    breaks, count = 2 * tubes + 1, MOST_STEPS + places
+    states = [(count, tubes * (tubes - 1))] * 5
+    shapes = [(count,), *states, (count, 12), (-(-count // LANES) * ROWS, LANES), (END_ROWS, LANES)]
+    group = (BLOCKS + (breaks + 1) * (2 + 2 * tubes), LANES)
+    cuts = [(LANES, breaks), (LANES, breaks, tubes), (LANES, breaks, tubes)]
+    rooms = make_rooms((2 * tubes, 6), *shapes, (samples + LANES, 3), *cuts, group, (2, 3, tubes))
+    twists, *nodes, place, share, drive, group, way = rooms
+    whole = [np.zeros((LANES, breaks, *more), np.int64) for more in ((), (2,))]
+    sections = Sections(place, share, drive, np.zeros((LANES, breaks), np.bool_), *whole)
+    room = Nodes(nodes[0], np.zeros(count, np.int64), *nodes[1:])
+    return Scratch(sections, room, *way, twists, np.zeros(LANES, np.int64), group)
 
 
 def make_outcomes(
     count: int, tubes: int, samples: int, with_least: bool, with_jacobian: bool
 ) -> "Outcomes":
-    """Return room for the outcomes of `count` configurations; all numbers are nan at first."""
+    """Return room for the outcomes of `count` configurations, which the kernel fills."""
     from nodes.kernels.ctr_outcomes import Outcomes
 
-    def empty(*shape: int) -> np.ndarray:
-        return np.full(shape, np.nan)
-
+    empty = np.empty
     return Outcomes(
-        status=np.zeros(count, np.int64),
-        tips=empty(count, tubes),
-        entries=empty(count, tubes),
-        twists=empty(count, tubes),
-        frame=empty(count, 12),
+        status=empty(count, np.int64),
+        tips=empty((count, tubes)),
+        entries=empty((count, tubes)),
+        twists=empty((count, tubes)),
+        frame=empty((count, 12)),
         determinant=empty(count),
         residual=empty(count),
         least=empty(count if with_least else 0),
-        places=empty(count if samples else 0, samples),
-        points=empty(count if samples else 0, samples, 3),
-        jacobian=empty(count if with_jacobian else 0, 6, 2 * tubes),
+        places=empty((count if samples else 0, samples)),
+        points=empty((count if samples else 0, samples, 3)),
+        jacobian=empty((count if with_jacobian else 0, 6, 2 * tubes)),
     )

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from nodes.geometry.arrays import freeze_arrays
 
@@ -32,7 +32,7 @@ class CrispEdges:
         freeze_arrays(self)
 
 
-SOLVED, NO_SOLUTION, NOT_CONVERGED, BEYOND = 0, 1, 2, 3
+SOLVED, NO_SOLUTION, NOT_CONVERGED, BEYOND, BRANCH_ENDS, UNSTABLE = 0, 1, 2, 3, 4, 5
 
 
 @dataclass(frozen=True)
@@ -41,8 +41,13 @@ class CrispTracks:
 
     Parameters
     ----------
-    status : (edge, step) SOLVED; NO_SOLUTION where a snare is too short; NOT_CONVERGED; BEYOND the
-        end of the edge, or after a step that is not solved.
+    status : (edge, step) SOLVED; NO_SOLUTION where a snare is too short; BRANCH_ENDS where the
+        equilibrium that is followed ceases to be one before this step: its stability margin falls
+        to 0, and the robot snaps to another; UNSTABLE where a start that was found without wrenches
+        is an equilibrium that the robot would leave; NOT_CONVERGED; BEYOND the end of the edge, or
+        after a step that is not solved.
+    from_rest : (edge,) whether the start was found from needles that are not bent, since the
+        wrenches that were handed in led to no solution.
     wrenches : (edge, step, needle, 6) moment, N mm, and force, N, at the entry points.
     patient_from_camera : (edge, step, 4, 4) rigid, mm.
     residual_mm : (edge, step) sum of what is left of the joints' conditions, and a tenth of how far
@@ -51,6 +56,7 @@ class CrispTracks:
     """
 
     status: Int[np.ndarray, "edge step"]
+    from_rest: Bool[np.ndarray, "edge"]
     wrenches: Float[np.ndarray, "edge step needle 6"]
     patient_from_camera: Float[np.ndarray, "edge step 4 4"]
     residual_mm: Float[np.ndarray, "edge step"]

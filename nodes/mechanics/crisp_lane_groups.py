@@ -36,6 +36,18 @@ class Problem(NamedTuple):
         poses[..., 3, 3] = 1.0
         return poses
 
+    def to_wrenches(self, wrenches: np.ndarray) -> np.ndarray:
+        """Return moments, N mm, and forces, N, at all needles' entry points (..., needle, 6), of
+        those of the joints' snares (..., joint, 6); the tool's balances the others."""
+        entries = self.setup.entry_points_patient_mm
+        full = np.full((*wrenches.shape[:-2], len(entries), 6), np.nan)
+        full[..., self.robot.snare, :] = wrenches * self.wrench_unit
+        moments, forces = full[..., 1:, :3], full[..., 1:, 3:]
+        arms = np.cross((entries[1:] - entries[0])[:, None], np.eye(3)).reshape(-1, 3)
+        about = moments.sum(-2) + forces.reshape(*forces.shape[:-2], -1) @ arms
+        full[..., 0, :] = -np.concatenate([about, forces.sum(-2)], axis=-1)
+        return full
+
 
 class Motion(NamedTuple):
     """Edges, wrenches in the problem's units.
@@ -77,15 +89,12 @@ class Motion(NamedTuple):
             counts=np.full(len(self.counts), finer),
         )
 
-    def hold(self, chosen: np.ndarray, count: int):
-        """Return edges that stay at the starts of chosen ones, without any wrench."""
-        return Motion(
-            self.frames[chosen],
-            np.zeros_like(self.turns[chosen]),
-            self.lengths[chosen],
-            np.zeros_like(self.growths[chosen]),
-            np.zeros_like(self.wrenches[chosen]),
-            np.full(len(chosen), count),
+    def hold(self, count: int = 0):
+        """Return edges of so many steps that stay at the starts."""
+        return self._replace(
+            turns=np.zeros_like(self.turns),
+            growths=np.zeros_like(self.growths),
+            counts=np.full(len(self.counts), count),
         )
 
 
@@ -98,8 +107,9 @@ class Found(NamedTuple):
     totals: np.ndarray
 
     def take(self, edge, every):
-        """Return each `every`-th step of an edge after its start."""
-        return Found(*(values[edge, every::every] for values in self))
+        """Return each `every`-th step of an edge after its start; of 0, the start alone."""
+        first = slice(1) if every == 0 else slice(every, None, every)
+        return Found(*(values[edge, first] for values in self))
 
     def put(self, edge, step, more) -> None:
         """Write results of the steps after one."""
@@ -148,6 +158,33 @@ def follow_lanes(
     is_exact : whether each iteration has a Jacobian of its own.
     from_rest : whether edges close the gaps that their wrenches leave at the start.
     """
+    order = np.argsort(motion.counts, kind="stable")  # so that lanes of one group end together
+    place = np.argsort(order)
+    sorted_motion = Motion(*(values[order] for values in motion))
+    found, signs = _run_kernel(problem, sorted_motion, parameters, is_exact, from_rest)
+    found, signs = Found(*(values[place] for values in found)), signs[place]
+    if from_rest:
+        return found
+    tolerance = parameters.tolerance_mm / problem.unit_mm
+    if found.totals.shape[1] > 2:  # the second step shows whether the first one jumped
+        found.totals[(motion.counts > 1) & ~(found.totals[:, 2] < tolerance), 1] = np.inf
+    last = count_true(found.totals < tolerance) - 1
+    stopped = np.flatnonzero((last > 0) & (last < motion.counts))
+    if len(stopped):
+        there = motion.cut(stopped, last[stopped], found.wrenches[stopped, last[stopped]]).hold()
+        signs[stopped, 1] = _run_kernel(problem, there, parameters, True, False)[1][:, 0]
+    found.totals[(last > 0) & (signs[:, 0] != signs[:, 1]), 1:] = np.inf  # a fold lies between
+    return found
+
+
+def _run_kernel(
+    problem: Problem,
+    motion: Motion,
+    parameters: FollowCrispEdgesParameters,
+    is_exact: bool,
+    from_rest: bool,
+) -> tuple[Found, np.ndarray]:
+    """Return what is found, and signs (edge, 2) of the Jacobian's determinant at both ends."""
     from nodes.kernels.crisp_lanes import make_lanes
     from nodes.kernels.crisp_straight_edges import Rules, Track, follow_groups
 
@@ -156,7 +193,7 @@ def follow_lanes(
     groups, steps = len(poses.lengths), int(motion.counts.max()) + 1
     tracks = Track(
         make_lanes(groups, steps, 6 * joints), make_lanes(groups, steps, 9),
-        make_lanes(groups, steps, 1),
+        make_lanes(groups, steps, 1), make_lanes(groups, 2, 1),
     )  # fmt: skip
     tracks.wrenches[:, 0] = lay_rows(motion.wrenches.reshape(count, -1))
     tracks.totals[:] = np.nan
@@ -170,10 +207,16 @@ def follow_lanes(
         from_rest,
     )
     follow_groups(problem.robot, poses, edges, tracks, rules, *_make_room(joints))
-    wrenches, tips, totals = (gather_rows(laid, count) for laid in tracks)
-    if steps > 2:  # the first step has little to go by: the second shows that it jumped
-        totals[np.isinf(totals[:, 2, 0]), 1] = np.inf
-    return Found(wrenches.reshape(count, steps, joints, 6), tips, totals[..., 0])
+    wrenches, tips, totals, signs = (gather_rows(laid, count) for laid in tracks)
+    if steps > 2 and not from_rest:  # the second step shows whether the first one jumped
+        is_open = (motion.counts > 1) & ~(totals[:, 2, 0] < rules.tolerance)
+        totals[is_open, 1] = np.inf
+    return Found(wrenches.reshape(count, steps, joints, 6), tips, totals[..., 0]), signs[..., 0]
+
+
+def count_true(flags: np.ndarray) -> np.ndarray:
+    """Return how many flags (edge, step) of each edge are true before the first that is not."""
+    return np.where(flags.all(1), flags.shape[1], (~flags).argmax(1))
 
 
 def lay_motion(problem: Problem, motion: Motion) -> tuple["Pose", "Edges"]:
@@ -221,7 +264,7 @@ def gather_rows(laid: np.ndarray, count: int) -> np.ndarray:
 
 
 def _make_room(joints: int):
-    from nodes.kernels.crisp_lanes import make_lanes
+    from nodes.kernels.crisp_lanes import LANES, make_lanes
     from nodes.kernels.crisp_straight_newton import PATIENCE, Solver
     from nodes.kernels.crisp_straight_residual import SITE_ROWS, Workspace
     from nodes.kernels.crisp_straight_rod import ROD_ROWS
@@ -231,7 +274,7 @@ def _make_room(joints: int):
     inverse, jacobian, product = (make_lanes(rows * rows) for _ in range(3))
     solver = Solver(
         *vectors, inverse, jacobian, make_lanes(36), make_lanes(6 * rows), make_lanes(PATIENCE),
-        product, np.empty((rows, 2 * rows)), np.empty(2 * joints, np.int64),
+        product, np.zeros(LANES), np.empty((rows, 2 * rows)), np.empty(2 * joints, np.int64),
     )  # fmt: skip
     sites = SITE_ROWS * joints
     return solver, Workspace(

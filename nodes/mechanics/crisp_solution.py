@@ -37,7 +37,8 @@ class CrispSolution:
 
     Parameters
     ----------
-    status : "unstable" is an equilibrium that the robot would leave.
+    status : "unstable" is an equilibrium that the robot would leave, or whose margin is 0 but for
+        its error, such as that of a column free to swing round its axis.
     reason : why it is not solved, in plain words and numbers; empty if it is.
     base_wrenches : (n, 6) moment (N mm) and force (N) at the needles' entry points, patient axes,
         the tool first; a start for configurations near by. The last guess where none was found.
@@ -48,9 +49,13 @@ class CrispSolution:
     patient_from_camera : (4, 4) at the tool's tip; z is the tangent; (0, 0) without rods.
     patient_from_joints : (k, 4, 4) the tool's frames where snares grasp, in order along the tool.
     joint_wrenches : (k, 6) what the tool exerts on the snares' tips, moment first.
-    energy_n_mm : elastic energy less the work of the loads' forces, which vanish at the origin.
+    energy_n_mm : elastic energy less the work of the loads' forces, which vanish at the origin;
+        without that of moments, which depends on the way that the tool was turned.
     stability_margin : least eigenvalue of the second variation of the energy in the curvatures,
-        over their elastic energy, as the joints allow: 1 for a free needle, 0 where it snaps.
+        over their elastic energy, as the joints allow: 1 for a free needle, 0 where it snaps. A
+        moment load that keeps its world axis has no energy [Ziegler1968] and a second
+        variation that is not symmetric; its symmetric part is taken. The margin is then an
+        estimate, near 0 to be doubted, and says nothing of motions that the moment keeps feeding.
     bending_strains : (n,) largest of each needle at its surface.
     imbalance : (6,) moment about the origin (N mm) and force (N) left between entry points and
         loads.

@@ -39,7 +39,7 @@ class ShapeCrispParameters(Parameters):
     same_equilibrium: float = Field(gt=0)
     """Two equilibria are the same whose base wrenches differ by less than this share of what bends
     the tool by a radian."""
-    margin_accuracy: float = Field(gt=0, le=0.01)
+    margin_accuracy: float = Field(ge=1e-12, le=0.01)
     """Error of the stability margin, without unit."""
 
 

@@ -8,6 +8,7 @@ from jaxtyping import Float
 from nodes.geometry.origin import Origin
 from nodes.mechanics.concentric_tube_solution import ConcentricTubeSolution
 from nodes.mechanics.concentric_tube_strains import largest_strains
+from nodes.mechanics.describe_robots import describe_concentric_tubes, tell_overbent
 from nodes.mechanics.parameters import ShapeConcentricTubesParameters
 from nodes.mechanics.robots import ConcentricTubeConfiguration, ConcentricTubeRobot
 from nodes.mechanics.shapes import Figure, RobotShape, Rod
@@ -40,16 +41,18 @@ def shape_concentric_tubes(
     places = _places(tips, parameters.sample_spacing_mm)
     solution = solve_concentric_tubes(robot, configuration, None, places)
     found = len(solution.arc_lengths_mm) > 0
+    strains = largest_strains(robot, configuration, solution) if found else np.empty(0)
     return RobotShape(
         kind="concentric tubes",
         status=solution.status,
         reason=solution.reason,
+        given=describe_concentric_tubes(robot, configuration),
         rods=_rods(robot, tips, solution) if found else (),
         patient_from_tip=solution.patient_from_tip if found else np.empty((0, 0)),
         joints_patient_mm=np.empty((0, 3)),
         loads=np.empty((0, 6)),
-        figures=_figures(robot, configuration, solution) if found else (),
-        origin=_origin(robot, solution),
+        figures=_figures(robot, solution, strains) if found else (),
+        origin=_origin(robot, solution).with_notice(*_overbent(robot, strains)),
     )
 
 
@@ -85,10 +88,9 @@ def _rods(
 
 def _figures(
     robot: ConcentricTubeRobot,
-    configuration: ConcentricTubeConfiguration,
     solution: ConcentricTubeSolution,
+    strains: Float[np.ndarray, "tube"],
 ) -> tuple[Figure, ...]:
-    strains = largest_strains(robot, configuration, solution)
     bent = [
         Figure(
             f"bending strain of tube {number}",
@@ -125,12 +127,22 @@ def _figures(
     )
 
 
+def _overbent(robot: ConcentricTubeRobot, strains: Float[np.ndarray, "k"]) -> list[str]:
+    return [
+        tell_overbent(f"tube {number}", float(strain), tube.material)
+        for number, (tube, strain) in enumerate(zip(robot.tubes, strains, strict=False), 1)
+        if strain > tube.material.recoverable_strain
+    ]
+
+
 def _origin(robot: ConcentricTubeRobot, solution: ConcentricTubeSolution) -> Origin:
     origin = Origin(
         "torsionally compliant mechanics of unloaded concentric tubes",
         robot.origin.simulated,
         robot.origin.notices,
     ).with_notice("the tubes carry no load, touch without friction and fit without play")
+    if not len(solution.arc_lengths_mm):
+        return origin
     if solution.one_solution:
         return origin.with_notice("at these translations every rotation has one shape")
     return origin.with_notice(

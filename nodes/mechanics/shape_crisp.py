@@ -5,6 +5,7 @@ import numpy as np
 from nodes.kernels.crisp_general_problem import Crisp
 from nodes.mechanics.check_robots import check_crisp_configuration
 from nodes.mechanics.crisp_solution import CrispSolution
+from nodes.mechanics.describe_robots import describe_crisp, name_needle, tell_overbent
 from nodes.mechanics.parameters import ShapeCrispParameters
 from nodes.mechanics.robots import CrispConfiguration, CrispSetup
 from nodes.mechanics.shapes import Figure, RobotShape, Rod
@@ -12,11 +13,13 @@ from nodes.mechanics.solve_crisp import solve_crisp, to_crisp
 
 ASSUMED = "joints are assumed to hold without play, needles neither to stretch nor to shear"
 
+LEAST_MARGIN = -1e6  # what is told of a margin that is not bounded below
+
 _MARGIN = "1 for a free robot; it falls towards 0, where the robot snaps to another shape"
 _ENERGY = (
-    "elastic energy less the work of the forces on the tool; of several shapes the least rests"
+    "elastic energy less force times place, from the patient's origin; of several shapes of one"
+    " robot the least rests"
 )
-_STRAIN = "of bending, in percent of what the material recovers from; above 100 it stays bent"
 _RESIDUAL = "what is left of the joints' conditions; the solver asks for its tolerance"
 _BALANCE = "what entry points and loads do not cancel; 0 but for rounding and integration"
 _SPARE = "by which the needle with the least is longer than the straight way to its joint"
@@ -43,6 +46,7 @@ def shape_crisp(
         "CRISP",
         solution.status,
         solution.reason,
+        describe_crisp(crisp_setup, crisp_configuration),
         _rods(crisp_setup, solution),
         solution.patient_from_camera,
         solution.patient_from_joints[:, :3, 3],
@@ -52,6 +56,7 @@ def shape_crisp(
             "the robot's shape is computed, not measured",
             ASSUMED,
             *_notices(crisp_configuration),
+            *_overbent(crisp_setup, solution),
         ),
     )
 
@@ -59,7 +64,7 @@ def shape_crisp(
 def _rods(setup: CrispSetup, solution: CrispSolution) -> tuple[Rod, ...]:
     return tuple(
         Rod(
-            "tool" if number == 0 else f"snare {number}",
+            name_needle(number),
             state.arc_lengths_mm,
             state.points_patient_mm,
             state.patient_from_body[:, :, 2],
@@ -94,9 +99,9 @@ def _figures(
     if not solution.rods:
         return ()
     figures = [
-        Figure("stability margin", solution.stability_margin, "", _MARGIN),
+        Figure("stability margin", max(solution.stability_margin, LEAST_MARGIN), "", _MARGIN),
         Figure("energy", solution.energy_n_mm, "N mm", _ENERGY),
-        Figure("largest strain", _strain_share(setup, solution), "%", _STRAIN),
+        *_strains(setup, solution),
         Figure("residual", solution.residual_mm, "mm", _RESIDUAL),
         Figure("force out of balance", float(abs(solution.imbalance[3:]).max()), "N", _BALANCE),
         Figure("moment out of balance", float(abs(solution.imbalance[:3]).max()), "N mm", _BALANCE),
@@ -111,9 +116,29 @@ def _figures(
     return tuple(figures)
 
 
-def _strain_share(setup: CrispSetup, solution: CrispSolution) -> float:
-    limits = [needle.material.recoverable_strain for needle in setup.needles]
-    return float(100 * np.max(solution.bending_strains / np.array(limits)))
+def _strains(setup: CrispSetup, solution: CrispSolution) -> list[Figure]:
+    return [
+        Figure(
+            f"bending strain of {name_needle(number)}",
+            float(100 * strain),
+            "%",
+            "largest along the needle; its material comes back from"
+            f" {100 * needle.material.recoverable_strain:.3g} %",
+        )
+        for number, (needle, strain) in enumerate(
+            zip(setup.needles, solution.bending_strains, strict=True)
+        )
+    ]
+
+
+def _overbent(setup: CrispSetup, solution: CrispSolution) -> list[str]:
+    return [
+        tell_overbent(name_needle(number), float(strain), needle.material)
+        for number, (needle, strain) in enumerate(
+            zip(setup.needles, solution.bending_strains, strict=False)
+        )
+        if strain > needle.material.recoverable_strain
+    ]
 
 
 def _spare_length(crisp: Crisp, solution: CrispSolution) -> float:

@@ -60,6 +60,7 @@ class RobotShape:
     kind : what robot it is.
     status : only "solved" is a shape to build on; "unstable" has rods, to be looked at alone.
     reason : why it is not solved, for a person; empty if it is.
+    given : what was asked for: joint values, tubes, grasps, loads.
     rods : all rods; empty where nothing was found.
     patient_from_tip : (4, 4), or (0, 0) where nothing was found; z is the tangent.
     joints_patient_mm : (joint, 3) where snares grasp.
@@ -70,6 +71,7 @@ class RobotShape:
     kind: Literal["concentric tubes", "CRISP"]
     status: Status
     reason: str
+    given: tuple[Figure, ...]
     rods: tuple[Rod, ...]
     patient_from_tip: Float[np.ndarray, "k k"]
     joints_patient_mm: Float[np.ndarray, "joint 3"]

@@ -3,6 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 
+from nodes.errors import BadInput
 from nodes.mechanics.concentric_tube_arrays import (
     bent_backwards,
     make_outcomes,
@@ -13,12 +14,14 @@ from nodes.mechanics.concentric_tube_arrays import (
 from nodes.mechanics.concentric_tube_solution import ConcentricTubeBatch
 from nodes.mechanics.robots import ConcentricTubeRobot
 
+Rows = Float[np.ndarray, "_ _"]  # (k, tube), which `_check_rows` refuses better than a type does
+
 
 def solve_concentric_tube_batch(
     robot: ConcentricTubeRobot,
-    rotations_rad: Float[np.ndarray, "k tube"],
-    translations_mm: Float[np.ndarray, "k tube"],
-    tip_angles_rad: Float[np.ndarray, "k tube"] | None = None,
+    rotations_rad: Rows,
+    translations_mm: Rows,
+    tip_angles_rad: Rows | None = None,
     samples: int = 0,
     with_uniqueness: bool = False,
     with_jacobian: bool = False,
@@ -36,10 +39,15 @@ def solve_concentric_tube_batch(
     samples : points of the backbone wanted, evenly from the entry to the tip; 0 for none.
     with_uniqueness : whether to find out if each insertion has one solution for every rotation.
     with_jacobian : whether to find the tip's Jacobian.
+
+    Raises
+    ------
+    BadInput if the arrays have not one row for each configuration and one value for each tube.
     """
     from nodes.kernels.ctr_outcomes import Joints
     from nodes.kernels.ctr_solve import solve_rows
 
+    _check_rows(robot, rotations_rad, translations_mm, tip_angles_rad)
     tubes, count = to_tubes(robot), len(robot.tubes)
     offset = bent_backwards(robot)
     translations = with_ghost(translations_mm)
@@ -47,28 +55,43 @@ def solve_concentric_tube_batch(
     joints = Joints(with_ghost(rotations_rad + offset), translations, with_ghost(start))
     n = translations.shape[1]
     outcomes = make_outcomes(len(translations), n, samples, with_uniqueness, with_jacobian)
-    if samples:
-        tip = np.maximum(translations[:, :1] + tubes.length[0], 0.0)
-        outcomes.places[:] = np.linspace(0.0, 1.0, samples) * tip
     size, columns = (0.0,) * (n - 1), (0.0,) * (n * (n - 1))
-    solve_rows(size, columns, tubes, joints, 0, len(translations), make_scratch(n), outcomes)
-    patient_from_base = robot.patient_from_base
-    rotation = patient_from_base[:3, :3]
+    scratch = make_scratch(n, samples=samples)
+    solve_rows(size, columns, tubes, joints, 0, len(translations), scratch, outcomes)
     kept = list(range(count)) + list(range(n, n + count))
     return ConcentricTubeBatch(
         outcomes.status,
         outcomes.tips[:, :count] - offset,
         outcomes.entries[:, :count] - offset,
         outcomes.twists[:, :count].copy(),
-        patient_from_base @ _to_poses(outcomes.frame),
+        _to_poses(outcomes.frame),
         outcomes.determinant,
         outcomes.residual,
         outcomes.least,
         outcomes.least > 0.0,
-        _turn_jacobian(rotation, outcomes.jacobian[:, :, kept]),
+        outcomes.jacobian[:, :, kept],
         outcomes.places,
-        outcomes.points @ rotation.T + patient_from_base[:3, 3],
+        outcomes.points,
     )
+
+
+def _check_rows(
+    robot: ConcentricTubeRobot,
+    rotations: np.ndarray,
+    translations: np.ndarray,
+    tips: np.ndarray | None,
+) -> None:
+    """Raise BadInput unless all arrays are alike: kernels would read beyond a short one."""
+    given = {"rotations_rad": rotations, "translations_mm": translations}
+    given |= {} if tips is None else {"tip_angles_rad": tips}
+    wanted = (len(rotations), len(robot.tubes))
+    for name, values in given.items():
+        if values.shape != wanted:
+            raise BadInput(
+                f"{name} of shape {values.shape}",
+                f"{wanted[0]} configurations of {wanted[1]} tubes have shape {wanted}",
+                "give one row for each configuration, one column for each tube",
+            )
 
 
 def _to_poses(frames: Float[np.ndarray, "k 12"]) -> Float[np.ndarray, "k 4 4"]:
@@ -76,11 +99,3 @@ def _to_poses(frames: Float[np.ndarray, "k 12"]) -> Float[np.ndarray, "k 4 4"]:
     poses[:, :3, :3], poses[:, :3, 3] = frames[:, :9].reshape(-1, 3, 3), frames[:, 9:]
     poses[:, 3, 3] = 1.0
     return poses
-
-
-def _turn_jacobian(
-    rotation: Float[np.ndarray, "3 3"], jacobian: Float[np.ndarray, "k 6 joints"]
-) -> Float[np.ndarray, "k 6 joints"]:
-    """Return the same in patient axes."""
-    k, _, joints = jacobian.shape
-    return (rotation @ jacobian.reshape(k, 2, 3, joints)).reshape(k, 6, joints)

@@ -66,8 +66,6 @@ def _solution(
     places, frames, angles = _trace(robot, configuration, tips, wanted if found else wanted[:0])
     if not found:
         places, frames, angles = places[:0], frames[:0], angles[:0]
-    patient_from_base = robot.patient_from_base
-    points = frames[:, 9:] @ patient_from_base[:3, :3].T + patient_from_base[:3, 3]
     return ConcentricTubeSolution(
         status=status,
         reason=_REASONS[status],
@@ -81,8 +79,8 @@ def _solution(
         one_solution=bool(batch.one_solution[0]),
         residual_rad=float(batch.residual_rad[0]),
         arc_lengths_mm=places,
-        points_patient_mm=points,
-        tangents=frames[:, 2:9:3] @ patient_from_base[:3, :3].T,
+        points_patient_mm=frames[:, 9:],
+        tangents=frames[:, 2:9:3],
         angles_rad=angles,
     )
 

@@ -3,9 +3,12 @@
 import numpy as np
 from jaxtyping import Float
 
+from nodes.errors import BadInput
 from nodes.kernels.crisp_general_problem import Crisp, pack
 from nodes.kernels.crisp_problem import Loads
 from nodes.mechanics.crisp_arrays import to_grasps, to_loads, to_rods
+from nodes.mechanics.crisp_modes import unstable_modes
+from nodes.mechanics.crisp_reasons import Outcome, say_lost, say_out_of_reach, say_unstable
 from nodes.mechanics.crisp_solution import CrispSolution, RodState, unsolved
 from nodes.mechanics.crisp_states import (
     bending_strain,
@@ -18,6 +21,7 @@ from nodes.mechanics.parameters import ShapeCrispParameters
 from nodes.mechanics.robots import CrispConfiguration, CrispSetup
 
 PUSH = 3.0  # of E I / length^2, that bends a tool by about a radian
+DEPTH = 3  # how often what an unstable equilibrium goes over to is left again, and once
 Wrenches = Float[np.ndarray, "n 6"]
 
 
@@ -29,16 +33,25 @@ def solve_crisp(
 ) -> CrispSolution:
     """Return an equilibrium of one configuration.
 
+    Without a seed the stable one of least energy that is found; "unstable" only where no stable one
+    is found. With a seed the one that continues its branch and no other: where that is lost the
+    answer is "not converged", and where it cannot last "unstable"; what else there is a call
+    without a seed finds.
+
     Parameters
     ----------
     setup, configuration : as `check_crisp_configuration` lets them pass.
-    seed : (n, 6) base wrenches of a configuration near by, whose equilibrium is followed; without
-        it, and where it leads nowhere, the stable equilibrium of least energy is sought.
+    seed : (n, 6) base wrenches of a configuration near by, whose equilibrium is followed.
     """
     if seed is not None:
-        followed = _follow(setup, configuration, seed, parameters)
-        if followed.status == "solved":
-            return followed
+        if seed.shape != (len(setup.needles), 6) or not np.isfinite(seed).all():
+            raise BadInput(
+                f"a seed of shape {seed.shape}",
+                f"{len(setup.needles)} needles have finite base wrenches of shape"
+                f" {(len(setup.needles), 6)}",
+                "give the base wrenches of a solution near by",
+            )
+        return _follow(setup, configuration, seed, parameters)
     found = find_crisp_equilibria(setup, configuration, parameters)
     stable = [solution for solution in found if solution.status == "solved"]
     return (stable or found)[0]
@@ -49,33 +62,88 @@ def find_crisp_equilibria(
 ) -> tuple[CrispSolution, ...]:
     """Return the equilibria that are found, least energy first.
 
-    From rest, from random wrenches, and by letting go of random forces on the tool, which find what
-    buckled. There may be more. Where none is found the one element says why.
+    From rest, from random wrenches, by letting go of random forces on the tool, which find what
+    buckled, and by leaving each unstable one the way it gives. There may be more. Where none is
+    found the one element says why.
     """
-    from nodes.kernels.crisp_general_cold import close_gap, solve_from_rest
-    from nodes.kernels.crisp_general_solve import NO_SOLUTION, SOLVED, new_newton
+    from nodes.kernels.crisp_general_solve import NO_SOLUTION, SOLVED
 
     crisp = to_crisp(setup, configuration)
+    tried = _search(crisp, parameters)
+    wrenches, outcome = tried[0]
+    if outcome[0] == NO_SOLUTION:
+        return (unsolved("no solution", say_out_of_reach(), wrenches),)
+    found: list[CrispSolution] = []
+    for _ in range(DEPTH):
+        fresh = []
+        for wrenches, outcome in tried:
+            if outcome[0] == SOLVED and _is_new(crisp, wrenches, found, parameters):
+                found.append(_complete(setup, crisp, wrenches, outcome, parameters))
+                fresh.append(found[-1])
+        tried = [one for solution in fresh for one in _leave(crisp, solution, parameters)]
+    if not found:
+        return (unsolved("not converged", say_lost(outcome, parameters.tolerance_mm), wrenches),)
+    return tuple(sorted(found, key=lambda solution: solution.energy_n_mm))
+
+
+def _search(crisp: Crisp, parameters: ShapeCrispParameters) -> list[tuple[Wrenches, Outcome]]:
+    """Return what all starts lead to, the first that from rest."""
+    from nodes.kernels.crisp_general_cold import close_gap, solve_from_rest
+    from nodes.kernels.crisp_general_solve import NO_SOLUTION, new_newton
+
     packed, tolerance = pack(crisp), parameters.tolerance_mm
     newton = new_newton(packed)
     seeds = _random_wrenches(crisp, parameters)
     first = np.zeros((len(crisp.lengths), 6))
-    status, *_ = outcome = solve_from_rest(packed, first, seeds, tolerance, newton)
-    if status == NO_SOLUTION:
-        return (unsolved("no solution", _out_of_reach(), first),)
-    tried = [(first, outcome)]
+    tried = [(first, solve_from_rest(packed, first, seeds, tolerance, newton))]
+    if tried[0][1][0] == NO_SOLUTION:
+        return tried
     for wrenches in seeds:
         tried.append((wrenches, close_gap(packed, wrenches, tolerance, newton)))
-    for pushed in _pushed(crisp, parameters):
-        wrenches = np.zeros_like(first)
-        if solve_from_rest(pack(pushed), wrenches, seeds[:0], tolerance, newton)[0] == SOLVED:
-            tried.append((wrenches, close_gap(packed, wrenches, tolerance, newton)))
-    solved = [(wrenches, outcome) for wrenches, outcome in tried if outcome[0] == SOLVED]
-    if not solved:
-        return (unsolved("not converged", _lost(len(tried), outcome, tolerance), first),)
-    apart = _distinct(crisp, solved, parameters.same_equilibrium)
-    found = [_complete(setup, crisp, *one, parameters) for one in apart]
-    return tuple(sorted(found, key=lambda solution: solution.energy_n_mm))
+    chance = np.random.default_rng([parameters.seed, 1])
+    for direction in chance.normal(size=(parameters.guesses, 3)):
+        tried += _release(crisp, _push(crisp)[1] * direction, parameters)
+    return tried
+
+
+def _leave(
+    crisp: Crisp, solution: CrispSolution, parameters: ShapeCrispParameters
+) -> list[tuple[Wrenches, Outcome]]:
+    """Return what an unstable equilibrium goes over to, either way: it is pushed in the direction
+    in which it gives."""
+    # A robot that is free to turn, with a margin of 0 but for rounding, has no way to prefer.
+    if not -np.inf < solution.stability_margin < -10 * parameters.margin_accuracy:
+        return []
+    reach = step_turn(crisp, parameters.tolerance_mm)
+    modes = unstable_modes(crisp, solution.base_wrenches, solution.stability_margin, reach)
+    arc, unit = _push(crisp)
+    place = sample(crisp, solution.base_wrenches, 0, np.array([arc]), reach).points_patient_mm[0]
+    tried = []
+    for moment in modes[:, 0, :3]:
+        force = np.cross(moment, place - crisp.rods.entry[0])
+        size = np.linalg.norm(force)
+        if size > 0:
+            tried += _release(crisp, unit * force / size, parameters)
+            tried += _release(crisp, -unit * force / size, parameters)
+    return tried
+
+
+def _release(
+    crisp: Crisp, force: Float[np.ndarray, "3"], parameters: ShapeCrispParameters
+) -> list[tuple[Wrenches, Outcome]]:
+    """Return where the robot goes when a further force on the tool is let go, if it could bear
+    it."""
+    from nodes.kernels.crisp_general_cold import close_gap, solve_from_rest
+    from nodes.kernels.crisp_general_solve import SOLVED, new_newton
+
+    tolerance, wrenches = parameters.tolerance_mm, np.zeros((len(crisp.lengths), 6))
+    packed = pack(crisp)
+    newton = new_newton(packed)
+    pushed = pack(crisp._replace(loads=_with_force(crisp, force)))
+    outcome = solve_from_rest(pushed, wrenches, np.empty((0, *wrenches.shape)), tolerance, newton)
+    if outcome[0] != SOLVED:
+        return []
+    return [(wrenches, close_gap(packed, wrenches, tolerance, newton))]
 
 
 def to_crisp(setup: CrispSetup, configuration: CrispConfiguration) -> Crisp:
@@ -91,7 +159,8 @@ def to_crisp(setup: CrispSetup, configuration: CrispConfiguration) -> Crisp:
 
 def step_turn(crisp: Crisp, tolerance_mm: float) -> float:
     """Return how far a step of the integrator may turn for the tolerance, rad."""
-    from nodes.kernels.crisp_general_solve import FINER, step_reach
+    from nodes.kernels.crisp_general_solve import FINER
+    from nodes.kernels.crisp_general_units import step_reach
 
     return FINER * step_reach(pack(crisp), tolerance_mm)
 
@@ -109,10 +178,12 @@ def _follow(
     packed = pack(crisp)
     outcome = solve_wrenches(packed, wrenches, parameters.tolerance_mm, new_newton(packed))
     if outcome[0] == NO_SOLUTION:
-        return unsolved("no solution", _out_of_reach(), wrenches)
+        return unsolved("no solution", say_out_of_reach(), wrenches)
     if outcome[0] != SOLVED:
-        reason = _lost(1, outcome, parameters.tolerance_mm)
-        return unsolved("not converged", reason, wrenches)
+        reason = (
+            say_lost(outcome, parameters.tolerance_mm) + ": the seed's branch does not lead here"
+        )
+        return unsolved("not converged", reason, np.array(seed, float))
     return _complete(setup, crisp, wrenches, outcome, parameters)
 
 
@@ -120,7 +191,7 @@ def _complete(
     setup: CrispSetup,
     crisp: Crisp,
     wrenches: Wrenches,
-    outcome: tuple[int, float, int, int],
+    outcome: Outcome,
     parameters: ShapeCrispParameters,
 ) -> CrispSolution:
     """Return all that follows from the base wrenches of an equilibrium."""
@@ -133,8 +204,8 @@ def _complete(
         for rod, (state, needle) in enumerate(zip(rods, setup.needles, strict=True))
     ]
     return CrispSolution(
-        "solved" if margin > 0 else "unstable",
-        "" if margin > 0 else _snaps(margin),
+        "solved" if margin > parameters.margin_accuracy else "unstable",
+        "" if margin > parameters.margin_accuracy else say_unstable(margin),
         wrenches,
         outcome[1],
         outcome[2],
@@ -184,54 +255,35 @@ def _random_wrenches(
     return units * chance.normal(size=(parameters.guesses, *units.shape))
 
 
-def _pushed(crisp: Crisp, parameters: ShapeCrispParameters) -> list[Crisp]:
-    """Return the robot with a further random force on the tool, where all but its tail is."""
-    chance = np.random.default_rng([parameters.seed, 1])
+def _push(crisp: Crisp) -> tuple[float, float]:
+    """Return the place on the tool where all but its tail is, mm, and a force there, N, that bends
+    it by about a radian."""
     acting = np.concatenate([crisp.grasps.arc, crisp.loads.arc])
     place = float(acting.max(initial=0.0)) or float(crisp.lengths[0])
-    unit = PUSH * crisp.rods.bending[0] / place**2
+    return place, PUSH * crisp.rods.bending[0] / place**2
+
+
+def _with_force(crisp: Crisp, force: Float[np.ndarray, "3"]) -> Loads:
+    """Return the loads and a further force, where `_push` says."""
+    place = _push(crisp)[0]
     at = int(np.searchsorted(crisp.loads.arc, place))
-    pushed = []
-    for force in unit * chance.normal(size=(parameters.guesses, 3)):
-        loads = Loads(
-            np.insert(crisp.loads.arc, at, place),
-            np.insert(crisp.loads.force, at, force, axis=0),
-            np.insert(crisp.loads.moment, at, 0.0, axis=0),
-        )
-        pushed.append(crisp._replace(loads=loads))
-    return pushed
+    return Loads(
+        np.insert(crisp.loads.arc, at, place),
+        np.insert(crisp.loads.force, at, force, axis=0),
+        np.insert(crisp.loads.moment, at, 0.0, axis=0),
+    )
 
 
-def _distinct(
-    crisp: Crisp, solved: list[tuple[Wrenches, tuple]], same: float
-) -> list[tuple[Wrenches, tuple]]:
-    """Return those whose base wrenches differ by more than `same` of a bend by a radian."""
+def _is_new(
+    crisp: Crisp,
+    wrenches: Wrenches,
+    found: list[CrispSolution],
+    parameters: ShapeCrispParameters,
+) -> bool:
+    """Return whether base wrenches differ from all that were found."""
     moment = crisp.rods.bending[0] / crisp.lengths[0]
     units = np.array([moment] * 3 + [moment / crisp.lengths[0]] * 3)
-    kept: list[tuple[Wrenches, tuple]] = []
-    for wrenches, outcome in solved:
-        if all(np.abs((wrenches - other) / units).max() > same for other, _ in kept):
-            kept.append((wrenches, outcome))
-    return kept
-
-
-def _out_of_reach() -> str:
-    return (
-        "no solution: two entry points lie farther apart than the needles between them are long;"
-        " a needle is no shorter than the straight way to what it grasps"
-    )
-
-
-def _lost(guesses: int, outcome: tuple[int, float, int, int], tolerance: float) -> str:
-    return (
-        f"not converged: from {guesses} starts no equilibrium was found; {outcome[1]:.3g} mm are"
-        f" left where {tolerance:g} are asked for, after {outcome[2]} evaluations of the"
-        " derivatives, and three in a row did not halve them"
-    )
-
-
-def _snaps(margin: float) -> str:
-    return (
-        "unstable: an equilibrium that the robot would leave; its stability margin is"
-        f" {margin:.4g}, and above 0 it stays"
+    return all(
+        np.abs((wrenches - other.base_wrenches) / units).max() > parameters.same_equilibrium
+        for other in found
     )

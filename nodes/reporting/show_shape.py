@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodes.geometry.meshes import Surfaces
-from nodes.mechanics.shapes import RobotShape, Rod
+from nodes.mechanics.shapes import Figure, RobotShape, Rod
 from nodes.reporting.artefacts import Section
 from nodes.reporting.honesty import warnings_of
 from nodes.reporting.marks import join_meshes, make_arrow, make_ball, sweep_tube
@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 TIP, JOINT, FORCE = "#d55e00", "#333333", "#d6007f"
 """Colours of the tip's tangent, the grasps and the forces; no rod has them."""
+
+
+GIVEN = "For these joint values and this robot:"
 
 
 def show_shape(robot_shape: RobotShape, parameters: ShowShapeParameters) -> Section:
@@ -37,6 +40,8 @@ def show_shape(robot_shape: RobotShape, parameters: ShowShapeParameters) -> Sect
     if robot_shape.status != "solved":
         warnings = (f"{robot_shape.status}: {robot_shape.reason}", *warnings)
     table = render_table(tabulate_figures(robot_shape), "", parameters.decimals, 3)
+    if robot_shape.given:
+        table += render_table(tabulate(robot_shape.given), GIVEN, parameters.decimals, 3)
     if not robot_shape.rods:
         return Section(parameters.title, table, warnings)
     thicker = draw_thicker(robot_shape.rods, parameters.least_radius_share)
@@ -68,14 +73,7 @@ def tabulate_figures(shape: RobotShape) -> "pandas.DataFrame":
     """Return one row a figure: what it is, its value with unit, what it means."""
     import pandas
 
-    rows = [
-        {
-            "figure": figure.name,
-            "value": tell_value(figure.value, figure.unit),
-            "meaning": figure.meaning,
-        }
-        for figure in shape.figures
-    ]
+    rows = to_rows(shape.figures)
     if shape.patient_from_tip.size:
         place = ", ".join(f"{value:.4f}" for value in shape.patient_from_tip[:3, 3])
         along = ", ".join(f"{value:.6f}" for value in shape.patient_from_tip[:3, 2])
@@ -90,6 +88,27 @@ def tabulate_figures(shape: RobotShape) -> "pandas.DataFrame":
         "meaning": shape.reason or "a shape was found",
     }
     return pandas.DataFrame([state, *rows])
+
+
+def tabulate(figures: tuple[Figure, ...]) -> "pandas.DataFrame":
+    """Return one row a figure of what was given."""
+    import pandas
+
+    return pandas.DataFrame(to_rows(figures)).rename(
+        columns={"figure": "given", "meaning": "of what"}
+    )
+
+
+def to_rows(figures: tuple[Figure, ...]) -> list[dict[str, str]]:
+    """Return each figure's name, value with unit, and meaning."""
+    return [
+        {
+            "figure": figure.name,
+            "value": tell_value(figure.value, figure.unit),
+            "meaning": figure.meaning,
+        }
+        for figure in figures
+    ]
 
 
 def tell_value(value: float, unit: str) -> str:

@@ -13,10 +13,11 @@ def checkout(tmp_path_factory: pytest.TempPathFactory) -> Checkout:
     return Checkout(tmp_path_factory.mktemp("checkout") / "tendril")
 
 
-@pytest.mark.parametrize("case", ["chest_p002", "chest_normal001"])
 def test_a_chest_ct_runs_to_two_lungs_an_airway_and_a_page(
-    checkout: Checkout, test_data: Path, open_page, case: str
+    checkout: Checkout, test_data: Path, open_page
 ) -> None:
+    """P002, of four times the voxels, runs below with a collapse, and in the benchmark."""
+    case = "chest_normal001"
     checkout.call("run", "--no-prefect", "--case", case)
     rows = checkout.table(case, "label_table")
     assert 2500 < rows["lungs"]["volume_ml"] < 7000
@@ -44,9 +45,7 @@ def test_a_lung_collapsed_by_simulation_is_called_simulated(
     open_page(page).assert_quiet()
 
 
-@pytest.mark.parametrize(
-    "case", ["head_ct_straight", "head_ct_tilted", "head_mri", "mni152", "med_rad_lung1"]
-)
+@pytest.mark.parametrize("case", ["head_ct_tilted", "head_mri", "mni152", "med_rad_lung1"])
 def test_heads_and_handed_in_labels_run_to_a_page(
     checkout: Checkout, test_data: Path, open_page, case: str
 ) -> None:

@@ -31,6 +31,7 @@ def shapes(draw: st.DrawFn) -> RobotShape:
         kind=draw(st.sampled_from(["CRISP", "concentric tubes"])),
         status=draw(st.sampled_from(["solved", "no solution", "not converged", "unstable"])),
         reason=draw(st.text()),
+        given=tuple(draw(st.lists(figures, max_size=2))),
         rods=tuple(draw(st.lists(rods(), max_size=3))),
         patient_from_tip=draw(hnp.arrays(float, (size, size), elements=NUMBERS)),
         joints_patient_mm=draw(hnp.arrays(float, (draw(st.integers(0, 2)), 3), elements=NUMBERS)),
@@ -44,7 +45,7 @@ def shapes(draw: st.DrawFn) -> RobotShape:
 @given(shapes())
 def test_every_field_of_a_shape_comes_back(shape: RobotShape) -> None:
     back = RobotShapeFormat.decode(RobotShapeFormat.encode(shape))
-    for name in ("kind", "status", "reason", "figures", "origin"):
+    for name in ("kind", "status", "reason", "given", "figures", "origin"):
         assert getattr(back, name) == getattr(shape, name)
     for name in ("patient_from_tip", "joints_patient_mm", "loads"):
         assert_same(getattr(back, name), getattr(shape, name))
@@ -77,7 +78,7 @@ def bent_shape() -> RobotShape:
     tool = np.array([[0, 0, 0], [1 / 3, 0, 1], [0.1, 0, 2]], float)
     along = np.tile([0.0, 0, 1], (3, 1))
     return RobotShape(
-        "CRISP", "solved", "",
+        "CRISP", "solved", "", (),
         (
             Rod("tool", np.arange(3.0), tool, along, 0.5),
             Rod("snare 1", np.arange(2.0), np.array([[7.0, 0, 0], [8, 0, 0]]), along[:2], 0.6),

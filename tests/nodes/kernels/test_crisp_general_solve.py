@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from benchmarks.mechanics_cases import offset_configuration, random_crisp
+from benchmarks.mechanics_edges import random_targets, solve_near
 from nodes.kernels.crisp_general_batch import solve_many
 from nodes.kernels.crisp_general_cold import solve_from_rest
 from nodes.kernels.crisp_general_problem import pack
@@ -12,12 +14,12 @@ from nodes.kernels.crisp_general_solve import (
     NOT_CONVERGED,
     SOLVED,
     UNSTABLE,
-    is_out_of_reach,
     new_newton,
     solve_wrenches,
 )
+from nodes.kernels.crisp_general_units import is_out_of_reach
 from nodes.kernels.crisp_stability import EXACT, QUICK, count_below, new_sturm
-from nodes.mechanics.solve_crisp import find_crisp_equilibria, to_crisp
+from nodes.mechanics.solve_crisp import find_crisp_equilibria, solve_crisp, to_crisp
 from tests.nodes.mechanics.crisp_reference import CASES, case_robot, case_wrenches, parameters
 
 NO_SEEDS = np.empty((0, 3, 6))
@@ -46,6 +48,22 @@ def test_random_neighbours_are_all_solved_from_the_middle(name):
         status, *_ = solve_from_rest(one, alone, NO_SEEDS[:, :n], 1e-8, new_newton(one))
         assert status == SOLVED
         assert wrenches[row] == pytest.approx(alone, abs=1e-7 * np.abs(alone).max())
+
+
+def test_a_robot_that_gives_way_easily_keeps_its_branch():
+    # Its guess is 3 mm off, and the way to the solution leads through larger residuals.
+    setup, first = random_crisp(np.random.default_rng(2), ("relaxed",) * 2)
+    parent = solve_crisp(setup, first, parameters(guesses=0)).base_wrenches
+    offsets = random_targets(np.random.default_rng(3), 3, 100, (1.0, 1.0))
+    far = [offset_configuration(first, offset) for offset in offsets]
+    found, wrenches = solve_near(setup, far, parent)
+    assert (found[:, 0] == SOLVED).all()
+    for row in np.argsort(-found[:, 2])[:3]:  # the hardest, in small steps
+        slow = parent
+        for share in np.linspace(0, 1, 17)[1:]:
+            near = offset_configuration(first, share * offsets[row])
+            slow = solve_crisp(setup, near, parameters(), slow).base_wrenches
+        assert wrenches[row] == pytest.approx(slow, abs=1e-5 * np.abs(slow).max())
 
 
 def test_batch_tells_unstable_from_solved():

@@ -5,8 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from nodes.kernels.crisp_general import count_steps
-from nodes.kernels.crisp_rod import bend_full, bend_pose
+from nodes.kernels.crisp_rod import bend_full, bend_pose, count_steps
 
 BENDING, TORSION = 1435.0, 1079.0
 

@@ -19,9 +19,9 @@ from tests.nodes.mechanics.made_robots import concentric_tubes, crisp, joints, n
     ("translations", "told"),
     [
         ((-40.0, 1.0), r"translations_mm\[1\] = 1 mm"),
-        ((-10.0, -20.0), r"translations_mm\[0\] = -10 mm, beyond tube 1's base at -20 mm"),
-        ((-100.0, -20.0), "tube 0 ends at 50 mm, inside of tube 1, which ends at 65 mm"),
-        ((-120.0, -90.0), "tube 1 ends at -5 mm, behind the entry plane"),
+        ((-10.0, -20.0), r"translations_mm\[0\] = -10 mm, beyond the base of tubes\[1\] at -20 mm"),
+        ((-100.0, -20.0), r"tubes\[0\] ends at 50 mm, inside of tubes\[1\], which ends at 65 mm"),
+        ((-120.0, -90.0), r"tubes\[1\] ends at -5 mm, behind the entry plane"),
         ((np.nan, -20.0), "finite"),
         ((-40.0,), "translations: 1"),
     ],

@@ -56,6 +56,26 @@ def test_two_equal_tubes_bifurcate_at_the_critical_length(share):
     assert found.one_solution == (share < 1)
 
 
+@pytest.mark.parametrize("turns", [1.6, 2.0, 2.2, 4.0])
+def test_modes_lost_twice_are_not_forgotten(turns):
+    """cos(w l) is above 0 again where w l lies beyond three quarters of a turn."""
+    length = turns * np.pi / (np.sqrt(1.3) * 0.02)
+    robot = equal_tubes((0.0, length, 0.02), (0.0, length, 0.02))
+    found = solve_concentric_tubes(robot, joint_values([0, 0.5], [0, 0]))
+    assert not found.one_solution and found.least_determinant <= 0
+
+
+@pytest.mark.parametrize("share", [0.9, 0.99, 1.01, 1.1, 1.5, 1.9])
+def test_three_tubes_a_third_apart_lose_two_modes_at_once(share):
+    """Curvatures cancel; psi'' = -w^2 psi for both turns between tubes, w^2 = (1 + nu) k^2 / 2."""
+    length = share * np.pi / 2 / (np.sqrt(1.3 / 2) * 0.02)
+    robot = equal_tubes(*[(0.0, length, 0.02)] * 3)
+    third = 2 * np.pi / 3 * np.arange(3)
+    found = solve_concentric_tubes(robot, joint_values(third, np.zeros(3)), third)
+    np.testing.assert_allclose(found.tip_angles_rad, third, atol=1e-9)
+    assert found.status == ("solved" if share < 1 else "unstable")
+
+
 def relative(robot, translations, apart):
     """Return the bases' angles to the innermost for tips apart so, by scipy from tip to base."""
     from scipy.integrate import solve_ivp

@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from benchmarks.mechanics_cases import random_crisp
 from nodes.mechanics.crisp_jacobians import crisp_jacobians
 from nodes.mechanics.solve_crisp import solve_crisp
+from tests.nodes.mechanics import oracle_crisp
 from tests.nodes.mechanics.crisp_reference import CASES, case_robot, case_wrenches, parameters
+from tests.nodes.mechanics.oracle_crisp_rods import robot_of
 
 # Loads and joints at the tip or on each other have derivatives to one side only.
 SMOOTH = [
@@ -116,6 +119,23 @@ def test_derivatives_are_those_of_solutions(name):
         pose, _ = differences(setup, configuration, change, wrenches)
         size = max(np.abs(scale * pose).max(), 1e-2)
         assert np.abs(scale * (pose - column)).max() < 1e-5 * size
+
+
+@pytest.mark.parametrize(
+    "joints, loads, precurved", [(("relaxed",), 1, True), (("rigid",), 0, False)]
+)
+def test_camera_moves_as_that_of_slow_solves(joints, loads, precurved):
+    setup, configuration = random_crisp(np.random.default_rng(6), joints, loads, precurved)
+    found = solve_crisp(setup, configuration, parameters(guesses=0))
+    exact = crisp_jacobians(setup, configuration, found.base_wrenches, 1e-9)
+    robot = robot_of(setup, configuration)
+    slow = oracle_crisp.polish(robot, found.base_wrenches)
+    wanted = oracle_crisp.camera_jacobian(setup, configuration, slow)
+    scale = np.repeat([1.0, 100.0], 3)[:, None]  # mm and rad alike
+    assert (
+        np.abs(scale * (exact.camera_by_configuration - wanted)).max()
+        < 1e-5 * np.abs(scale * wanted).max()
+    )
 
 
 def test_wrenches_by_configuration_are_those_of_solutions():

@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from benchmarks.mechanics_cases import random_crisp as crisp_of
 from nodes.errors import BadInput
 from nodes.mechanics.crisp_edges import BEYOND, NO_SOLUTION, NOT_CONVERGED, SOLVED, CrispEdges
 from nodes.mechanics.follow_crisp_edges import follow_crisp_edges
 from nodes.mechanics.robots import CrispConfiguration
+from nodes.mechanics.solve_crisp import solve_crisp
 from tests.nodes.mechanics import oracle_crisp
-from tests.nodes.mechanics.crisp_reference import CASES, case_robot, case_wrenches
+from tests.nodes.mechanics.crisp_reference import CASES, case_robot, case_wrenches, parameters
 from tests.nodes.mechanics.made_crisp_edges import PARAMETERS, edges_from
 from tests.nodes.mechanics.made_robots import crisp
 from tests.nodes.mechanics.oracle_crisp_rods import robot_of
@@ -168,3 +170,42 @@ def test_needles_that_are_curved_by_themselves_are_refused():
     setup, frames, lengths, wrenches = start_of("precurved1_1")
     with pytest.raises(BadInput, match="straight"):
         follow_crisp_edges(setup, edges_from(frames, lengths, wrenches), PARAMETERS)
+
+
+def test_a_track_tells_whether_the_wrenches_handed_in_led_to_its_start():
+    setup, frames, lengths, wrenches = start_of("relaxed1_1")
+    given = follow_crisp_edges(setup, edges_from(frames, lengths, wrenches), PARAMETERS)
+    lost = follow_crisp_edges(setup, edges_from(frames, lengths, 1e3 * wrenches), PARAMETERS)
+    assert given.from_rest.tolist() == [False] and lost.from_rest.tolist() == [True]
+    assert lost.status.tolist() == [[SOLVED]]
+
+
+@pytest.mark.parametrize("field", ["starts", "end_lengths_mm", "start_wrenches"])
+def test_an_edge_that_holds_nan_is_refused_by_its_number(field):
+    _, frames, lengths, wrenches = start_of("rigid1_0")
+    edges = edges_from(frames, lengths, wrenches, count=3)
+    values = np.array(getattr(edges, field))
+    values[1, 0] = np.nan
+    with pytest.raises(BadInput, match=f"{field} of edge 1"):
+        follow_crisp_edges(start_of("rigid1_0")[0], replace(edges, **{field: values}), PARAMETERS)
+
+
+def test_no_start_found_without_wrenches_is_one_that_the_robot_would_leave():
+    """The general path's margin at what is called solved is above 0; some starts are not."""
+    counted = 0
+    for seed in range(4):
+        setup, first = crisp_of(np.random.default_rng(seed), ("relaxed", "relaxed"))
+        frames, lengths = first.patient_from_entry, first.lengths_mm * [1.0, 1.25, 1.25]
+        edges = edges_from(frames, lengths, count=6, seed=seed, step=8.0)
+        edges = replace(edges, starts=edges.ends, start_lengths_mm=edges.end_lengths_mm)
+        tracks = follow_crisp_edges(setup, edges, PARAMETERS)
+        for edge, status in enumerate(tracks.status[:, 0]):
+            if status != SOLVED:
+                continue
+            configuration = CrispConfiguration(edges.starts[edge], edges.start_lengths_mm[edge])
+            found = solve_crisp(
+                setup, configuration, parameters(guesses=0), tracks.wrenches[edge, 0]
+            )
+            assert found.status == "solved" and found.stability_margin > 0
+            counted += 1
+    assert counted > 10

@@ -91,3 +91,20 @@ def test_several_shapes_and_what_is_simulated_are_said():
     shape = shape_of(made_up, joint_values([0.0, 0.4], [-30.0, -30.0]))
     assert shape.status == "solved" and shape.origin.simulated
     assert any("several stable shapes" in notice for notice in shape.origin.notices)
+
+
+@pytest.mark.parametrize(("turn", "is_told"), [(0.0, False), (np.pi, True)])
+def test_a_tube_strained_beyond_its_material_is_told_first(turn, is_told):
+    """A soft tube against a stiff one that curves the other way: (0.16 + 0.4) / mm at 0.45 mm."""
+    robot = tubes_of((0.0, 4.0, 0.4), (0.0, 3.0, 0.28))
+    shape = shape_of(robot, joint_values([0, turn], [0, 0]))
+    told = [notice for notice in shape.origin.notices if "tube 1 is strained by 25" in notice]
+    assert shape.status == "solved" and bool(told) == is_told
+
+
+def test_what_was_asked_for_stands_in_the_shape():
+    shape = shape_of(reference_robot(CASE), reference_joints(CASE))
+    given = {one.name: one.value for one in shape.given}
+    for n, (theta, beta) in enumerate(zip(CASE["theta"], CASE["beta"], strict=True), 1):
+        assert given[f"rotation of tube {n}"] == pytest.approx(np.degrees(theta))
+        assert given[f"translation of tube {n}"] == beta

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from nodes.errors import BadInput
 from nodes.mechanics.concentric_tube_solution import STATUSES
 from nodes.mechanics.solve_concentric_tube_batch import solve_concentric_tube_batch
 from nodes.mechanics.solve_concentric_tubes import solve_concentric_tubes
@@ -12,6 +13,7 @@ from tests.nodes.mechanics.concentric_reference import (
     random_joints,
     reference_cases,
     reference_robot,
+    tubes_of,
 )
 
 TRIO = reference_robot(reference_cases()[12])
@@ -100,3 +102,21 @@ def test_the_same_joint_values_give_the_same_bytes():
     rotations, translations = random_joints(np.random.default_rng(6), TRIO, 5)
     one, same = (solve_concentric_tube_batch(TRIO, rotations, translations) for _ in range(2))
     assert one.patient_from_tip.tobytes() == same.patient_from_tip.tobytes()
+
+
+@pytest.mark.parametrize("short", ["rotations", "tips"])
+def test_arrays_of_other_lengths_are_refused(short):
+    robot = tubes_of((80.0, 60.0, 0.02), (50.0, 40.0, 0.012))
+    rotations, translations = random_joints(np.random.default_rng(0), robot, 5)
+    tips = np.zeros((3, 2)) if short == "tips" else None
+    rows = rotations if short == "tips" else rotations[:3]
+    with pytest.raises(BadInput, match="of shape"):
+        solve_concentric_tube_batch(robot, rows, translations, tips)
+
+
+def test_tips_that_coincide_but_for_rounding_are_in_order():
+    robot = tubes_of((80.0, 60.0, 0.02), (50.0, 40.0, 0.012))
+    translations = np.array([[-76.4, -26.4]])
+    assert translations[0, 0] + 140 < translations[0, 1] + 90
+    batch = solve_concentric_tube_batch(robot, np.zeros((1, 2)), translations)
+    assert batch.status[0] == 0

@@ -20,6 +20,7 @@ def shape() -> RobotShape:
         kind="CRISP",
         status="solved",
         reason="",
+        given=(Figure("length of tool", 100.0, "mm", "nitinol, from [0, 0, 0]"),),
         rods=(Rod("tool", along, points, np.tile([0.0, 0, 1], (11, 1)), 0.6),),
         patient_from_tip=tip,
         joints_patient_mm=np.array([[0.0, 0, 90]]),
@@ -47,6 +48,7 @@ def test_the_tip_arrow_and_the_force_run_where_they_should(shape, defaults):
 
 def test_figures_stand_in_a_table_with_unit_and_meaning(shape, defaults):
     html = show_shape(shape, defaults("show_shape")).html
+    assert "100 mm" in html and "nitinol, from [0, 0, 0]" in html
     assert "1.25e-12 mm" in html and "how far the grasps are apart" in html
 
 
