@@ -21,8 +21,8 @@ _PAGE, _LINE, _APART = 512, 8, 56  # floats: a page of 4 kB, a line of cache, se
 def make_rooms(*shapes: tuple[int, ...]) -> list[np.ndarray]:
     """Return arrays, not filled, whose beginnings lie apart within pages, on cache lines.
 
-    A processor takes a load for one of a recent store where their last twelve bits agree, and waits
-    for it; where memory lies by chance, some runs take half as long again.
+    A processor may take a load for one of a recent store where their last twelve bits agree. That
+    this slows the kernels has not been shown; it costs nothing to rule it out.
     """
     sizes = [int(np.prod(shape)) for shape in shapes]
     starts, start = [], 0

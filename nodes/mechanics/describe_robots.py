@@ -80,4 +80,4 @@ def _section(tube: RoundTube) -> str:
 
 
 def _vector(values: Float[np.ndarray, "3"]) -> str:
-    return f"[{', '.join(f'{value:.5g}' for value in values)}]"
+    return f"[{', '.join(f'{round(float(value), 9) + 0.0:.5g}' for value in values)}]"

@@ -35,9 +35,8 @@ def random_case(seed, count, base=None):
             return robot, configuration, found
 
 
-@pytest.mark.parametrize("count", [2, 3, 4])
-@pytest.mark.parametrize("seed", range(3))
-def test_shape_is_what_shooting_from_the_base_finds(seed, count):
+@pytest.mark.parametrize("count, seed", [(2, 0), (2, 1), (3, 0), (3, 1), (4, 0)])
+def test_shape_is_what_shooting_from_the_base_finds(count, seed):
     robot, configuration, _ = random_case(seed, count)
     slow = oracle.solve(robot, configuration)
     arcs = np.linspace(0.0, slow.dense[-1].t_max, 12)
