@@ -26,6 +26,9 @@ class Case(BaseModel):
     inputs: dict[str, str] = Field(
         default={}, description="dataset -> file or folder, absolute or below data/raw"
     )
+    on_request: bool = Field(
+        default=False, description="true for a long case that runs only where it is asked for"
+    )
     parameters: dict[str, dict[str, Any]] = Field(
         default={}, description="stage -> parameter -> value, only what differs from the default"
     )

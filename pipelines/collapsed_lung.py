@@ -3,7 +3,7 @@
 from pipelines import anatomy
 from pipelines.stage import Stage
 
-STAGES = [
+COLLAPSE = [
     Stage("imaging.read_volume", {"image_files": "ct_files"}, ["scanned_ct"]),
     Stage(
         "imaging.place_labels",
@@ -26,6 +26,10 @@ STAGES = [
         ["occupancy_grid", "parts_table"],
         "build_cavity_grid",
     ),
+]
+
+STAGES = [
+    *COLLAPSE,
     *anatomy.SURFACES,
     *anatomy.SPACE,
     *anatomy.SHOW,

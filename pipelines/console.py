@@ -14,15 +14,19 @@ from pipelines.history import History
 from pipelines.outcomes import FRESH, Planned
 from pipelines.progress import Progress, expected_seconds
 from pipelines.project import Project
-from pipelines.running import Driver, Watch, run_case
+from pipelines.running import Driver, Watch, is_of, run_case
 from pipelines.selection import Selection
 from pipelines.stage import Stage
 
 
 def tell_absent(project: Project, pipeline: str, names: Sequence[str]) -> None:
-    """Say which cases are skipped, since their inputs are elsewhere."""
+    """Say which cases are skipped, and why."""
     for name in project.cases():
-        if name not in names and (not pipeline or project.case(name).pipeline == pipeline):
+        if name in names or not is_of(project.case(name).pipeline, pipeline):
+            continue
+        if project.case(name).on_request and not pipeline:
+            print(f"{name}: skipped, it runs on request: tendril run --case {name}")
+        else:
             print(f"{name}: skipped, its inputs are not on this machine")
 
 

@@ -13,6 +13,11 @@ from pipelines import (
     head_mri,
     label_maps,
     mri,
+    pleuroscopy,
+    pleuroscopy_collapsed,
+    pleuroscopy_phantom,
+    study_crisp_collapsed,
+    study_crisp_phantom,
     thorax_phantom,
 )
 
@@ -27,4 +32,9 @@ PIPELINES = {
     "endoscopy": endoscopy,
     "concentric_tube_shape": concentric_tube_shape,
     "crisp_shape": crisp_shape,
+    "pleuroscopy": pleuroscopy,
+    "pleuroscopy_collapsed": pleuroscopy_collapsed,
+    "pleuroscopy_phantom": pleuroscopy_phantom,
+    "study_crisp_collapsed": study_crisp_collapsed,
+    "study_crisp_phantom": study_crisp_phantom,
 }

@@ -27,7 +27,8 @@ class CaseRun:
 
 
 def runnable_cases(project: Project, pipeline: str = "", cases: Sequence[str] = ()) -> list[str]:
-    """Return the cases to run: those named, or all of a pipeline whose inputs are here.
+    """Return the cases to run: those named, or all of a pipeline and its variants whose
+    inputs are here.
 
     Raises
     ------
@@ -36,17 +37,25 @@ def runnable_cases(project: Project, pipeline: str = "", cases: Sequence[str] = 
     if pipeline:
         find_pipeline(pipeline)
     if cases:
-        return [name for name in cases if not pipeline or project.case(name).pipeline == pipeline]
+        return [name for name in cases if is_of(project.case(name).pipeline, pipeline)]
     return [name for name in project.cases() if _may_run(project, name, pipeline)]
 
 
+def is_of(pipeline: str, asked: str) -> bool:
+    """Return whether a pipeline is the one that was asked for, or a variant of it, whose name goes
+    on from it; who asks for none, asks for all."""
+    return not asked or pipeline == asked or pipeline.startswith(f"{asked}_")
+
+
 def _may_run(project: Project, name: str, pipeline: str) -> bool:
-    """Return whether a case is of the pipeline and its inputs are here.
+    """Return whether a case is of the pipeline, runs without being asked for where none is named,
+    and its inputs are here.
 
     One that breaks a rule may run too: so its error is told, and the other cases still run.
     """
     try:
-        if pipeline and project.case(name).pipeline != pipeline:
+        case = project.case(name)
+        if not is_of(case.pipeline, pipeline) or (case.on_request and not pipeline):
             return False
         return project.is_ready(name)
     except BadInput:

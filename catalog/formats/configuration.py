@@ -58,7 +58,9 @@ class _LoadText(Closed):
     """in patient LPS, N mm"""
 
 
-class _CrispText(Closed):
+class CrispText(Closed):
+    """A CRISP robot's joint values and loads."""
+
     lengths_mm: list[Number]
     """how far each needle reaches beyond its entry point, the tool first, mm"""
     orientations: list[Any]
@@ -118,19 +120,7 @@ class CrispConfigurationFormat:
     @staticmethod
     def encode(value: CrispConfiguration) -> dict[str, bytes]:
         """Return the one file; `decode` returns the same numbers, digit by digit."""
-        fields = {
-            "lengths_mm": value.lengths_mm.tolist(),
-            "orientations": [{"rotation": turn.tolist()} for turn in value.patient_from_entry],
-            "loads": [
-                {
-                    "arc_length_mm": load.arc_length_mm,
-                    "force_n": load.force_n.tolist(),
-                    "moment_n_mm": load.moment_n_mm.tolist(),
-                }
-                for load in value.loads
-            ],
-        }
-        return write_file("configuration.yml", "crisp", fields)
+        return write_file("configuration.yml", "crisp", configuration_fields(value))
 
     @staticmethod
     def decode(files: Mapping[str, bytes]) -> CrispConfiguration:
@@ -140,21 +130,41 @@ class CrispConfigurationFormat:
         ------
         BadInput for what is not as described above.
         """
-        text = read_file(files, "crisp", _CrispText)
-        if len(text.lengths_mm) != len(text.orientations):
-            raise BadInput(
-                f"{len(text.lengths_mm)} lengths and {len(text.orientations)} orientations",
-                "each needle has one of each",
-                "add what is missing",
-            )
-        turns = [
-            _to_turn(part, f"orientations[{index}]") for index, part in enumerate(text.orientations)
-        ]
-        return CrispConfiguration(
-            patient_from_entry=np.array(turns).reshape(-1, 3, 3),
-            lengths_mm=np.array(text.lengths_mm, float),
-            loads=tuple(_to_load(part, f"loads[{index}]") for index, part in enumerate(text.loads)),
+        return to_configuration(read_file(files, "crisp", CrispText))
+
+
+def configuration_fields(value: CrispConfiguration) -> dict[str, Any]:
+    """Return what a file says about joint values and loads."""
+    return {
+        "lengths_mm": value.lengths_mm.tolist(),
+        "orientations": [{"rotation": turn.tolist()} for turn in value.patient_from_entry],
+        "loads": [
+            {
+                "arc_length_mm": load.arc_length_mm,
+                "force_n": load.force_n.tolist(),
+                "moment_n_mm": load.moment_n_mm.tolist(),
+            }
+            for load in value.loads
+        ],
+    }
+
+
+def to_configuration(text: CrispText) -> CrispConfiguration:
+    """Return the joint values that a file tells."""
+    if len(text.lengths_mm) != len(text.orientations):
+        raise BadInput(
+            f"{len(text.lengths_mm)} lengths and {len(text.orientations)} orientations",
+            "each needle has one of each",
+            "add what is missing",
         )
+    turns = [
+        _to_turn(part, f"orientations[{index}]") for index, part in enumerate(text.orientations)
+    ]
+    return CrispConfiguration(
+        patient_from_entry=np.array(turns).reshape(-1, 3, 3),
+        lengths_mm=np.array(text.lengths_mm, float),
+        loads=tuple(_to_load(part, f"loads[{index}]") for index, part in enumerate(text.loads)),
+    )
 
 
 def _to_turn(part: Any, place: str) -> np.ndarray:

@@ -17,14 +17,17 @@ from nodes.geometry.sites import Sites
 LPS_FROM_RAS = np.diag([-1.0, -1.0, 1.0, 1.0])
 # A name and the 4 x 4 pose or the 3 coordinates of a point.
 Site = tuple[str, Float[np.ndarray, "..."]]
+SCHEMA = (
+    "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups"
+    "/Resources/Schema/markups-schema-v1.0.3.json#"
+)
 
 
 def write_markups(value: Sites) -> dict[str, Any]:
     """Return a point list as 3D Slicer has it, with the axes of poses."""
     axes = [*value.patient_from_site[:, :3, :3], *[np.eye(3)] * len(value.point_names)]
     return {
-        "@schema": "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups"
-        "/Resources/Schema/markups-schema-v1.0.3.json#",
+        "@schema": SCHEMA,
         "markups": [
             {
                 "type": "Fiducial",

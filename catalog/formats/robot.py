@@ -99,7 +99,9 @@ class _SnareText(Closed):
     """of the angle between the tangents of tool and snare at a relaxed joint"""
 
 
-class _CrispSetupText(Closed):
+class CrispSetupText(Closed):
+    """A CRISP setup's lines."""
+
     needles: list[Any]
     """one list item a needle, the tool first"""
     entry_points_patient_mm: list[Vector]
@@ -160,13 +162,7 @@ class CrispSetupFormat:
     @staticmethod
     def encode(value: CrispSetup) -> dict[str, bytes]:
         """Return the one file; `decode` returns the same numbers, digit by digit."""
-        fields = {
-            "needles": [needle_fields(needle) for needle in value.needles],
-            "entry_points_patient_mm": value.entry_points_patient_mm.tolist(),
-            "snares": [vars(snare) for snare in value.snares],
-            "field_of_view_deg": value.field_of_view_deg,
-        }
-        return write_file("setup.yml", "crisp", fields, value.origin)
+        return write_file("setup.yml", "crisp", setup_fields(value), value.origin)
 
     @staticmethod
     def decode(files: Mapping[str, bytes]) -> CrispSetup:
@@ -176,19 +172,31 @@ class CrispSetupFormat:
         ------
         BadInput for what is not as described above, and for a setup that cannot be.
         """
-        text = read_file(files, "crisp", _CrispSetupText)
-        parts = read_parts(NeedleText, text.needles, "needles")
-        snares = read_parts(_SnareText, text.snares, "snares")
-        notices = material_notices(parts) + _grasp_notices(snares)
-        return CrispSetup(
-            needles=tuple(to_needle(part, f"needles[{index}]") for index, part in enumerate(parts)),
-            entry_points_patient_mm=np.array(text.entry_points_patient_mm, float).reshape(-1, 3),
-            snares=tuple(
-                _to_snare(snare, f"snares[{index}]") for index, snare in enumerate(snares)
-            ),
-            field_of_view_deg=text.field_of_view_deg,
-            origin=to_origin(text.origin, "a setup handed in", notices),
-        )
+        return to_setup(read_file(files, "crisp", CrispSetupText))
+
+
+def setup_fields(setup: CrispSetup) -> dict[str, Any]:
+    """Return what a file says about a setup."""
+    return {
+        "needles": [needle_fields(needle) for needle in setup.needles],
+        "entry_points_patient_mm": setup.entry_points_patient_mm.tolist(),
+        "snares": [vars(snare) for snare in setup.snares],
+        "field_of_view_deg": setup.field_of_view_deg,
+    }
+
+
+def to_setup(text: CrispSetupText) -> CrispSetup:
+    """Return the setup that a file tells."""
+    parts = read_parts(NeedleText, text.needles, "needles")
+    snares = read_parts(_SnareText, text.snares, "snares")
+    notices = material_notices(parts) + _grasp_notices(snares)
+    return CrispSetup(
+        needles=tuple(to_needle(part, f"needles[{index}]") for index, part in enumerate(parts)),
+        entry_points_patient_mm=np.array(text.entry_points_patient_mm, float).reshape(-1, 3),
+        snares=tuple(_to_snare(snare, f"snares[{index}]") for index, snare in enumerate(snares)),
+        field_of_view_deg=text.field_of_view_deg,
+        origin=to_origin(text.origin, "a setup handed in", notices),
+    )
 
 
 def _to_snare(text: _SnareText, place: str) -> Snare:

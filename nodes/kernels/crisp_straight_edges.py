@@ -110,7 +110,7 @@ def follow(robot, pose, edges, track, rules, steps, solver, work):
     for step in range(len(track.totals)):
         alive = choose(is_less(load(edges.counts, 0), spread(float(step))), spread(0.0), alive)
         if step > 0:
-            _move_pose(pose, edges)
+            move_pose(pose, edges)
             _shrink(solver.offset, edges.counts, step)
             _predict(robot, edges, track.wrenches, step, alive)
         wrenches = track.wrenches[step]
@@ -158,7 +158,8 @@ def _sign_ends(robot, pose, wrenches, edges, step, alive, track, steps, solver, 
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _move_pose(pose, edges):
+def move_pose(pose, edges):
+    """Go one step on."""
     for rod in range(len(pose.lengths)):
         a = load_vector(edges.turns, 9 * rod)
         b = load_vector(edges.turns, 9 * rod + 3)

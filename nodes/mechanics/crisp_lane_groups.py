@@ -12,7 +12,8 @@ from nodes.mechanics.robots import CrispSetup
 
 if TYPE_CHECKING:
     from nodes.kernels.crisp_straight_edges import Edges
-    from nodes.kernels.crisp_straight_residual import Pose, Robot
+    from nodes.kernels.crisp_straight_newton import Solver
+    from nodes.kernels.crisp_straight_residual import Pose, Robot, Workspace
 
 
 class Problem(NamedTuple):
@@ -206,7 +207,7 @@ def _run_kernel(
         is_exact,
         from_rest,
     )
-    follow_groups(problem.robot, poses, edges, tracks, rules, *_make_room(joints))
+    follow_groups(problem.robot, poses, edges, tracks, rules, *make_room(joints))
     wrenches, tips, totals, signs = (gather_rows(laid, count) for laid in tracks)
     if steps > 2 and not from_rest:  # the second step shows whether the first one jumped
         is_open = (motion.counts > 1) & ~(totals[:, 2, 0] < rules.tolerance)
@@ -263,7 +264,8 @@ def gather_rows(laid: np.ndarray, count: int) -> np.ndarray:
     return laid.transpose(0, 3, 1, 2).reshape(groups * lanes, steps, rows)[:count]
 
 
-def _make_room(joints: int):
+def make_room(joints: int) -> tuple["Solver", "Workspace"]:
+    """Return where the kernels write as they go, for so many joints."""
     from nodes.kernels.crisp_lanes import LANES, make_lanes
     from nodes.kernels.crisp_straight_newton import PATIENCE, Solver
     from nodes.kernels.crisp_straight_residual import SITE_ROWS, Workspace

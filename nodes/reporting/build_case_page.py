@@ -1,6 +1,7 @@
 """The page of one case."""
 
 from nodes.reporting.artefacts import Page, RunAccount, Section
+from nodes.reporting.embedding import share_buffers
 from nodes.reporting.honesty import gather_warnings
 from nodes.reporting.parameters import BuildCasePageParameters
 from nodes.reporting.pipeline_picture import draw_pipeline
@@ -30,6 +31,8 @@ def build_case_page(
     scripts = collect_scripts(sections)
     warnings = gather_warnings(tuple(section.warnings for section in sections))
     inputs = tuple(name for name, _, _ in run_account.inputs)
+    titles = [section.title for section in sections]
+    fragments = share_buffers(tuple(section.html for section in sections))
     pictures = [
         draw_pipeline(run_account.stages, inputs, **layout, name=name)
         for name, layout in (("wide", WIDE), ("narrow", NARROW))
@@ -37,7 +40,7 @@ def build_case_page(
     values = {
         "title": run_account.title,
         "account": run_account,
-        "sections": sections,
+        "sections": list(zip(titles, fragments, strict=True)),
         "warnings": warnings,
         "first_warnings": parameters.first_warnings,
         "pictures": pictures if run_account.stages else [],

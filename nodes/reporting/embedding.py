@@ -6,7 +6,8 @@ that `value = origin + step * stored`. All buffers are little-endian.
 """
 
 from base64 import b64encode
-from json import dumps
+from json import dumps, loads
+from re import Match, sub
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -22,6 +23,30 @@ def embed_json(value: object) -> str:
     """
     text = dumps(value, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def share_buffers(fragments: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the fragments of one page in which each buffer stands once.
+
+    Where a scene has the buffer of one before it on the page, it says "=2.5" instead: that of scene
+    2, buffer 5, both counted from 0. "=" begins no base64.
+    """
+    known: dict[str, str] = {}
+    scene = -1
+
+    def share(found: Match[str]) -> str:
+        nonlocal scene
+        scene += 1
+        buffers = loads(found[1])
+        places = (known.setdefault(data, f"={scene}.{n}") for n, data in enumerate(buffers))
+        own = f"={scene}."
+        shared = [
+            data if place.startswith(own) else place
+            for data, place in zip(buffers, places, strict=True)
+        ]
+        return f'"buffers":{embed_json(shared)}'
+
+    return tuple(sub(r'"buffers":(\[[^\]]*\])', share, fragment) for fragment in fragments)
 
 
 def encode_base64(data: bytes) -> str:

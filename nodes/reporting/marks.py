@@ -86,6 +86,20 @@ def sweep_tube(
     return Mesh(vertices.astype(np.float32), join_rings(len(rings) + 2))
 
 
+def sweep_line(points_mm: Float[np.ndarray, "n 3"], radius_mm: float) -> Mesh:
+    """Return the closed tube about a line through points; nothing where all points are one."""
+    steps = np.linalg.norm(np.diff(points_mm, axis=0), axis=1)
+    points = points_mm[np.concatenate([[True], steps > 0])]
+    if len(points) < 2:
+        return Mesh(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32))
+    tangents = np.gradient(points, axis=0)
+    lengths = np.linalg.norm(tangents, axis=1, keepdims=True)
+    forward = np.diff(points, axis=0, append=2 * points[-1:] - points[-2:-1])
+    forward /= np.linalg.norm(forward, axis=1, keepdims=True)
+    along = np.where(lengths > 1e-9, tangents / np.maximum(lengths, 1e-9), forward)
+    return sweep_tube(points, along, radius_mm)
+
+
 def carry_frame(
     frame: Float[np.ndarray, "3 3"], tangent: Float[np.ndarray, "3"]
 ) -> Float[np.ndarray, "3 3"]:

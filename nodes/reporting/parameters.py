@@ -90,6 +90,144 @@ class ShowShapeParameters(ShowSurfacesParameters):
     """Digits after the decimal point of numbers in the table."""
 
 
+class ShowRobotsParameters(ShowSurfacesParameters):
+    """Parameters of all sections that show CRISP robots in a cavity."""
+
+    shown: tuple[str, ...]
+    """Names of the surfaces that are shown with the robots, where they exist."""
+
+    pieces: Annotated[int, Field(ge=1, le=100)]
+    """Into how many straight pieces each snare and each part of the camera tube before a grasp is
+    drawn (no unit)."""
+
+    least_radius_share: Annotated[float, Field(ge=0, le=0.1)]
+    """Least radius of a needle that is drawn, over the extent of what is in the picture (no unit):
+    thinner ones are all drawn thicker by one factor, and the page says by how much."""
+
+    outside_mm: Length
+    """Length of the sheaths that are drawn outside of the cavity, from the entry points, in mm."""
+
+    cone_mm: Length
+    """Length of the camera's cone as it is drawn, in mm."""
+
+    cone_opacity: Annotated[float, Field(gt=0, le=1)]
+    """Opacity of the camera's cone at first, 0 to 1 (no unit)."""
+
+    decimals: Annotated[int, Field(ge=0, le=12)]
+    """Digits after the decimal point of numbers in the tables."""
+
+
+class ShowSetupsParameters(ShowRobotsParameters):
+    """Parameters of `show_setups`."""
+
+    left_out: tuple[Annotated[str, Field(min_length=1)], ...]
+    """Endings of the names of set-ups that are not shown, such as those of a study that differ in
+    how their trees were grown alone."""
+
+    rows: Annotated[int, Field(ge=1, le=1000)]
+    """Largest number of candidates in the table, the first ones (no unit)."""
+
+
+class ShowCavityParameters(ShowRobotsParameters):
+    """Parameters of the sections that show the surface of the free space."""
+
+    cell_mm: Length
+    """Size of the cells from which that surface is drawn, in mm."""
+
+    smoothing_mm: Annotated[float, Field(ge=0)]
+    """Standard deviation of the Gauss filter that smooths the surface, in mm."""
+
+    cavity_opacity: Annotated[float, Field(gt=0, le=1)]
+    """Opacity of that surface at first, 0 to 1 (no unit)."""
+
+
+class ShowPlansParameters(ShowCavityParameters):
+    """Parameters of `show_plans`."""
+
+    most_motions: Annotated[int, Field(ge=1, le=100)]
+    """Largest number of motions that are drawn, the first ones (no unit); the table has all."""
+
+    most_steps: Annotated[int, Field(ge=2, le=10000)]
+    """Largest number of steps of a motion that are drawn, evenly chosen (no unit)."""
+
+    goal_radius_mm: Length
+    """Radius of the ball at a goal, in mm."""
+
+    way_radius_mm: Length
+    """Radius of the line along which the camera moves, in mm."""
+
+    pictures: Annotated[int, Field(ge=2, le=200)]
+    """Number of camera pictures along each motion (no unit)."""
+
+    pixels: Annotated[int, Field(ge=16, le=1024)]
+    """Height and width of a camera picture in pixels."""
+
+    quality: Annotated[int, Field(ge=1, le=100)]
+    """Quality of the lossy WebP pictures (Pillow's scale, no unit)."""
+
+    near_mm: Length
+    """Depth at which a surface that faces the camera is half as bright as one that touches it, in
+    mm."""
+
+    tissue_mm: Length
+    """Largest distance of the wall that is seen from an organ's surface for it to have the organ's
+    colour, in mm."""
+
+
+class ShowVisibilityParameters(ShowCavityParameters):
+    """Parameters of `show_visibility`."""
+
+    left_out: tuple[Annotated[str, Field(min_length=1)], ...]
+    """Endings of the names of set-ups that are not shown, such as those of a study that are there
+    to be compared; then the union is of the shown ones."""
+
+    times: Annotated[int, Field(ge=2, le=20)]
+    """Into how many spans of time the colours of "first seen" are cut (no unit)."""
+
+    neighbours: Annotated[int, Field(ge=1, le=100)]
+    """How many cells next to a place on the drawn surface vote for its colour (no unit); shares
+    are counted cell by cell."""
+
+    curve_points: Annotated[int, Field(ge=10, le=1000)]
+    """Points of each curve over time (no unit)."""
+
+
+class ShowStudyParameters(Parameters):
+    """Parameters of `show_study`."""
+
+    title: str
+    """Heading of the section."""
+
+    caption: str
+    """A sentence below the heading; may be empty."""
+
+    paper_share_percent: tuple[Percent, ...]
+    """Share of the surface that the paper's set-ups saw, and last their union, in %; [Kuntz2017]
+    Sec. V-A."""
+
+    paper_unseeded_share_percent: tuple[Percent, ...]
+    """The same without the neighbour's solution as seed, without union, in %; [Kuntz2017]
+    Sec. V-C."""
+
+    paper_nodes: tuple[Annotated[int, Field(ge=0)], ...]
+    """Nodes of the paper's trees (no unit); [Kuntz2017] Sec. V-C."""
+
+    paper_unseeded_nodes: tuple[Annotated[int, Field(ge=0)], ...]
+    """Nodes of the paper's trees without that seed (no unit); [Kuntz2017] Sec. V-C."""
+
+    paper_cores: Annotated[int, Field(ge=1)]
+    """Cores of the paper's processor (no unit); [Kuntz2017] Sec. V."""
+
+    paper_hours: Length
+    """Hours for which the paper's trees grew; [Kuntz2017] Sec. V-A."""
+
+    curve_points: Annotated[int, Field(ge=10, le=1000)]
+    """Points of each curve over time (no unit)."""
+
+    decimals: Annotated[int, Field(ge=0, le=12)]
+    """Digits after the decimal point of numbers in the tables."""
+
+
 class ShowVolumeParameters(Parameters):
     """Parameters of `show_volume`."""
 

@@ -11,7 +11,7 @@ from nodes.reporting.honesty import warnings_of
 from nodes.reporting.marks import join_meshes, make_arrow, make_ball, sweep_tube
 from nodes.reporting.parameters import ShowShapeParameters
 from nodes.reporting.scene import SCRIPTS, Mark, render_scene
-from nodes.reporting.tables import UNITS, render_table
+from nodes.reporting.tables import render_table, to_rows
 
 if TYPE_CHECKING:
     import pandas
@@ -97,23 +97,6 @@ def tabulate(figures: tuple[Figure, ...]) -> "pandas.DataFrame":
     return pandas.DataFrame(to_rows(figures)).rename(
         columns={"figure": "given", "meaning": "of what"}
     )
-
-
-def to_rows(figures: tuple[Figure, ...]) -> list[dict[str, str]]:
-    """Return each figure's name, value with unit, and meaning."""
-    return [
-        {
-            "figure": figure.name,
-            "value": tell_value(figure.value, figure.unit),
-            "meaning": figure.meaning,
-        }
-        for figure in figures
-    ]
-
-
-def tell_value(value: float, unit: str) -> str:
-    """Return a number with four significant digits and its unit."""
-    return f"{value:.4g} {UNITS.get(unit, unit)}".rstrip()
 
 
 def draw_tip(shape: RobotShape, parameters: ShowShapeParameters) -> tuple[Mark, ...]:

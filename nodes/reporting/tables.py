@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nodes.mechanics.shapes import Figure
 from nodes.reporting.colours import colour_names, words
 from nodes.reporting.rendering import render_template
 
@@ -152,3 +153,40 @@ def show_value(value: object, decimals: int) -> str:
 def is_number(value: object) -> bool:
     """Return whether a value is a number; yes and no are none."""
     return isinstance(value, Real) and not isinstance(value, bool | np.bool_)
+
+
+def tell_shares(table: "pandas.DataFrame") -> "pandas.DataFrame":
+    """Return a table whose shares, columns that begin so, are in %, its rates in whole numbers."""
+    told = table.rename(
+        columns={name: f"{name}_percent" for name in table if str(name).startswith("share")}
+    )
+    for name in told:
+        if str(name).endswith("_percent"):
+            told[name] = 100 * told[name]
+        elif "_per_" in str(name):
+            told[name] = told[name].round().astype("Int64").astype(object).fillna(np.nan)
+    return told.rename(columns={"seconds": "time_s"})
+
+
+def tabulate_figures(figures: tuple[Figure, ...]) -> "pandas.DataFrame":
+    """Return one row a figure: what it is, its value with unit, what it means."""
+    import pandas
+
+    return pandas.DataFrame(to_rows(figures))
+
+
+def to_rows(figures: tuple[Figure, ...]) -> list[dict[str, str]]:
+    """Return each figure's name, value with unit, and meaning."""
+    return [
+        {
+            "figure": figure.name,
+            "value": tell_value(figure.value, figure.unit),
+            "meaning": figure.meaning,
+        }
+        for figure in figures
+    ]
+
+
+def tell_value(value: float, unit: str) -> str:
+    """Return a number with four significant digits and its unit."""
+    return f"{value:.4g} {UNITS.get(unit, unit)}".rstrip()

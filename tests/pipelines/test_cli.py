@@ -232,6 +232,19 @@ def test_a_case_whose_input_is_elsewhere_is_skipped_unless_named(toy: Toy) -> No
     assert "nothing at" in toy.call("run", "--no-prefect", "--case", "away", code=3)
 
 
+def test_a_long_case_runs_where_its_pipeline_or_that_whose_variant_it_is_is_named(toy: Toy) -> None:
+    toy.write("pipelines/toy_long.py", "from pipelines.toy import STAGES\n")
+    toy.edit("pipelines/registry.py", "import toy", "import toy, toy_long")
+    toy.edit("pipelines/registry.py", '"toy": toy', '"toy": toy, "toy_long": toy_long')
+    toy.write(
+        "catalog/cases/long.yml",
+        "title: Long\npipeline: toy_long\non_request: true\ninputs: {seed_file: seed/record.json}\n",
+    )
+    assert "long: skipped, it runs on request" in toy.call("run", "--no-prefect")
+    assert "long: done" in toy.call("run", "toy", "--no-prefect")
+    assert "one: " not in toy.call("run", "toy_long", "--no-prefect")
+
+
 def test_one_case_that_fails_does_not_stop_the_others(toy: Toy) -> None:
     toy.write("catalog/cases/a_broken.yml", "title: [\n")
     toy.write("catalog/cases/b_refused.yml", "title: B\npipeline: nothing\n")

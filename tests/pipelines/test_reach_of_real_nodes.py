@@ -20,6 +20,7 @@ import pytest
 from catalog.datasets import FORMATS
 from catalog.formats.label_files import LabelFilesFormat
 from catalog.formats.labelmap import LabelMapFormat
+from catalog.formats.placed_setups import PlacedSetupsFormat
 from catalog.yaml_file import load_mapping
 from nodes.geometry.grids import LabelMap, Volume
 from nodes.geometry.label_files import LabelFiles
@@ -36,6 +37,11 @@ from tests.conftest import ROOT
 
 STAGES = {stage.name: stage for module in PIPELINES.values() for stage in module.STAGES}
 TREE = SourceTree(ROOT)
+PHANTOM = {
+    stage.name: stage
+    for pipeline in ("thorax_phantom", "pleuroscopy_phantom")
+    for stage in PIPELINES[pipeline].STAGES
+}
 # Coarse, so that all of it takes seconds.
 QUICK = {
     "make_thorax_phantom": {"pixel_spacing_mm": 3.0, "slice_thickness_mm": 5.0},
@@ -44,7 +50,12 @@ QUICK = {
     "sample_point_cloud": {"spacing_mm": 10},
     "show_slices": {"pixels": 32},
     "show_labels": {"pixels": 32},
-}
+    "place_goals": {"random_goals": 2},
+    "search_crisp_setups": {"coarsest_cell": 10, "two_needles": 2, "three_needles": 0,
+                            "rounds": 1, "setups": 1, "node_limit": 32},
+    "grow_crisp_trees": {"coarsest_cell": 10, "node_limit": 200},
+    "plan_crisp_motions": {"coarsest_cell": 10},
+}  # fmt: skip
 
 
 def top_of(file: str, line: int) -> str:
@@ -112,8 +123,13 @@ def call_stage(stage: Stage, values: dict[str, Any]) -> set[str]:
 def made() -> tuple[dict[str, Any], dict[str, set[str]]]:
     """Return artefacts by name, and what ran to make them by stage."""
     account = RunAccount("c", "t", "p", "1", "now", (), (), (), ())
-    values: dict[str, Any] = {"label_files": LabelFiles(), "run_account": account}
-    ran = {stage.name: call_stage(stage, values) for stage in PIPELINES["thorax_phantom"].STAGES}
+    values: dict[str, Any] = {
+        "label_files": LabelFiles(),
+        "run_account": account,
+        "sites": Sites(),
+        "given_setups": PlacedSetupsFormat.decode({}),
+    }
+    ran = {stage.name: call_stage(stage, values) for stage in PHANTOM.values()}
     scanned = {"scanned_ct": values["ct"], "scanned_label_map": healthy(values["label_map"])}
     ran["collapse_lung"] = call_stage(STAGES["collapse_lung"], dict(scanned))
     files = LabelMapFormat.encode(values["label_map"])
@@ -133,7 +149,7 @@ def healthy(label_map: LabelMap) -> LabelMap:
 
 
 PROFILED = (
-    *(stage.name for stage in PIPELINES["thorax_phantom"].STAGES),
+    *PHANTOM,
     "collapse_lung",
     "combine_label_maps",
     "check_sites",

@@ -4,6 +4,8 @@ import {
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { Choices } from "./choices3d.src.js";
+import { makeButton, makeSelect } from "./controls.src.js";
 import { BUILDERS, decodeBase64, setOpacity } from "./scene3d.src.js";
 
 const VIEWS = {
@@ -20,11 +22,10 @@ const FIELD_OF_VIEW_DEG = 28;
 
 // ---- one viewer -------------------------------------------------------------------------------
 class Viewer {
-  constructor(root) {
+  constructor(root, data) {
     this.root = root;
     this.canvas = root.querySelector("canvas");
     this.stage = root.querySelector(".stage");
-    const data = JSON.parse(root.querySelector("script[type='application/json']").textContent);
     this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true, preserveDrawingBuffer: true });
     this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
     this.scene = new Scene();
@@ -38,13 +39,14 @@ class Viewer {
     this.addViews();
     this.addLetters();
     this.addTags(data);
+    this.choices = new Choices(this, data);
     this.follow();
     this.resize();
     this.look("A", 0.35);
   }
 
   build(data) {
-    const buffers = data.buffers.map(decodeBase64);
+    const buffers = data.buffers.map((text) => decodeBase64(findBuffer(text)));
     const parts = this.root.querySelector(".parts");
     for (const object of data.objects) {
       const builder = BUILDERS[object.kind];
@@ -52,11 +54,17 @@ class Viewer {
       const item = builder(object, buffers);
       item.name = object.name;
       item.visible = object.visible ?? true;
+      item.wanted = item.visible;
       setOpacity(item, object.opacity ?? 1);
       this.content.add(item);
-      parts.append(this.makePart(item, object));
+      item.row = this.makePart(item, object);
+      parts.append(item.row);
+      if (object.paints) parts.append(this.makePaints(item, object.paints));
     }
-    this.box = new Box3().setFromObject(this.content);
+    // The view at first is of what is shown at first.
+    const shown = this.content.children.filter((item) => item.visible);
+    this.box = new Box3();
+    for (const item of shown.length ? shown : this.content.children) this.box.expandByObject(item);
     if (this.box.isEmpty()) this.box.set(new Vector3(-1, -1, -1), new Vector3(1, 1, 1));
     this.sphere = this.box.getBoundingSphere(new Sphere());
     this.sortBySize();
@@ -188,7 +196,11 @@ class Viewer {
     const box = document.createElement("input");
     // Browsers that remember the state of forms would let boxes and picture disagree.
     Object.assign(box, { type: "checkbox", checked: item.visible, autocomplete: "off" });
-    box.addEventListener("change", () => { item.visible = box.checked; this.draw(); });
+    box.addEventListener("change", () => {
+      item.wanted = box.checked;
+      item.visible = box.checked;
+      this.draw();
+    });
     const swatch = document.createElement("span");
     swatch.className = "swatch";
     swatch.style.background = object.colour;
@@ -201,6 +213,31 @@ class Viewer {
     opacity.addEventListener("input", () => { setOpacity(item, Number(opacity.value)); this.draw(); });
     row.append(name, opacity);
     return row;
+  }
+
+  makePaints(item, paints) {
+    // What the colours of a surface tell: one paint at a time, with its key.
+    const box = document.createElement("div");
+    box.className = "paints";
+    const key = document.createElement("ul");
+    const show = (n) => {
+      item.paint(n);
+      key.replaceChildren(...paints[n].colours.map((colour, kind) => {
+        const line = document.createElement("li");
+        const swatch = document.createElement("span");
+        swatch.className = "swatch";
+        swatch.style.background = colour;
+        line.append(swatch, paints[n].meanings[kind]);
+        return line;
+      }));
+    };
+    const choice = makeSelect(paints.map(({ name }) => name), "Colours show", (n) => {
+      show(n);
+      this.draw();
+    });
+    box.append(choice, key);
+    show(0);
+    return box;
   }
 
   addLetters() {
@@ -295,16 +332,23 @@ class Viewer {
   }
 }
 
-function makeButton(text, title, act) {
-  const button = document.createElement("button");
-  Object.assign(button, { type: "button", textContent: text, title });
-  button.addEventListener("click", act);
-  return button;
+
+// ---- all viewers of a page ----------------------------------------------------------------------
+const roots = [...document.querySelectorAll(".viewer3d")];
+const scenes = roots.map((root) => (
+  JSON.parse(root.querySelector("script[type='application/json']").textContent)
+));
+
+function findBuffer(text) {
+  // "=2.5" is buffer 5 of scene 2: what several scenes of a page show stands in it once.
+  if (!text.startsWith("=")) return text;
+  const [scene, buffer] = text.slice(1).split(".").map(Number);
+  return scenes[scene].buffers[buffer];
 }
 
-for (const root of document.querySelectorAll(".viewer3d")) {
+for (const [n, root] of roots.entries()) {
   try {
-    root.viewer = new Viewer(root);
+    root.viewer = new Viewer(root, scenes[n]);
     root.dataset.state = "ready";
   } catch (error) {
     root.dataset.state = "failed";

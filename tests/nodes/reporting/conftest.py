@@ -24,6 +24,10 @@ KINDS = {
     "show_slices": kinds.ShowSlicesParameters,
     "show_volume": kinds.ShowVolumeParameters,
     "show_measures": kinds.ShowTableParameters,
+    "show_plans": kinds.ShowPlansParameters,
+    "show_visibility": kinds.ShowVisibilityParameters,
+    "show_setups": kinds.ShowSetupsParameters,
+    "show_study": kinds.ShowStudyParameters,
     "build_case_page": kinds.BuildCasePageParameters,
 }
 

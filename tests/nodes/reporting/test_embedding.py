@@ -6,7 +6,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nodes.reporting.embedding import add_array, add_indices, add_points, embed_json
+from nodes.reporting.embedding import (
+    add_array,
+    add_indices,
+    add_points,
+    embed_json,
+    share_buffers,
+)
 
 
 @given(st.text())
@@ -53,3 +59,25 @@ def test_each_array_has_a_buffer_of_its_own():
     second = add_array(buffers, np.zeros((4, 1)), "uint8")
     assert (first["buffer"], second["buffer"]) == (0, 1)
     assert [len(b64decode(text)) for text in buffers] == [24, 4]
+
+
+BUFFERS = st.lists(st.sampled_from(["AAAA", "AAAB", "/+8=", "QUJD"]), max_size=4)
+
+
+@given(st.lists(BUFFERS, min_size=1, max_size=5), st.text())
+def test_shared_buffers_stand_once_and_are_found_again(scenes, name):
+    fragments = tuple(
+        f"<p>{n}</p>" + embed_json({"name": name, "buffers": buffers})
+        for n, buffers in enumerate(scenes)
+    )
+    shared = share_buffers(fragments)
+    read = [loads(text.split("</p>")[1]) for text in shared]
+    first: dict[str, tuple[int, int]] = {}
+    for scene, (told, buffers) in enumerate(zip(read, scenes, strict=True)):
+        assert told["name"] == name
+        for text, data in zip(told["buffers"], buffers, strict=True):
+            if text.startswith("="):
+                other, buffer = map(int, text[1:].split("."))
+                assert other < scene and read[other]["buffers"][buffer] == data
+            else:
+                assert text == data and first.setdefault(data, (scene, 0))[0] == scene

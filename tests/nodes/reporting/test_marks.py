@@ -11,6 +11,7 @@ from nodes.reporting.marks import (
     make_arrow,
     make_ball,
     make_needle,
+    sweep_line,
     sweep_tube,
 )
 
@@ -88,3 +89,16 @@ def test_a_tube_keeps_its_radius_where_the_curve_turns_at_once():
     mesh = sweep_tube(points, tangents, 1.0)
     nearest = np.linalg.norm(mesh.vertices_patient_mm[:, None] - points, axis=2).min(axis=1)
     assert set(np.round(nearest, 5)) == {0.0, 1.0}
+
+
+def test_a_line_through_points_is_a_closed_tube_of_its_length():
+    points = np.array([[0.0, 0, 0], [0, 0, 0], [0, 0, 30], [0, 0, 100]])
+    tube = solid(sweep_line(points, 2.0))
+    assert tube.is_watertight
+    assert tube.volume == pytest.approx(100 * np.pi * 2**2 * PRISM, rel=1e-3)
+
+
+def test_a_line_that_turns_back_or_never_moves_is_no_error():
+    back = sweep_line(np.array([[0.0, 0, 0], [0, 0, 10], [0, 0, 0]]), 1.0)
+    assert np.isfinite(back.vertices_patient_mm).all()
+    assert not len(sweep_line(np.zeros((3, 3)), 1.0).triangles)

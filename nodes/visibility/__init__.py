@@ -1,0 +1,1 @@
+"""What a robot's camera can see of the surface around it."""
