@@ -11,20 +11,13 @@ holds, and functions that a decorator of the project's own may note somewhere.
 
 import ast
 import copy
-import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
 
+from pipelines.source_links import WHOLE, LinkReader, Links
 from pipelines.source_module import Module, Signature, is_text, read_signature
-
-_UNFOLLOWABLE = {"exec", "eval", "__import__", "import_module", "globals", "vars"}
-_UNFOLLOWABLE |= {"__globals__", "__subclasses__", "__init_subclass__"}
-# Of the standard library, what finds code by its name; "importlib" itself only as a value.
-_FINDERS = ("builtins", "importlib.machinery", "importlib.util", "pickle", "pkgutil", "runpy")
-_FINDERS += ("sys.modules",)
-_WHOLE = "*"
 
 
 @dataclass
@@ -51,6 +44,9 @@ class SourceTree:
     ) -> None:
         self.root, self.packages, self._loaded = root, packages, loaded or {}
         self._modules: dict[str, Module | None] = {}
+        self._hashes: dict[tuple[str, bool], str] = {}
+        self._data_files: dict[Path, dict[str, str]] = {}
+        self.links = LinkReader(self)
 
     def reach(self, target: str) -> Reach:
         """Return all that "module:definition" reaches."""
@@ -86,6 +82,22 @@ class SourceTree:
                 return Module(name, path, self.packages, self._loaded.get(name))
         return None
 
+    def hash_of(self, name: str, statement: ast.stmt, with_text: bool) -> str:
+        """Return the hash of the statement called `name`, with its docstrings or without."""
+        if (name, with_text) not in self._hashes:
+            told = statement if with_text else _WithoutText().visit(copy.deepcopy(statement))
+            self._hashes[name, with_text] = sha256(ast.dump(told).encode()).hexdigest()
+        return self._hashes[name, with_text]
+
+    def data_files(self, folder: Path) -> dict[str, str]:
+        """Return the hash of each file beside the modules of a folder that is no Python."""
+        if folder not in self._data_files:
+            self._data_files[folder] = {
+                str(file.relative_to(self.root)): sha256(file.read_bytes()).hexdigest()
+                for file in _data_files(folder)
+            }
+        return self._data_files[folder]
+
     def names_below(self, package: str) -> Iterator[str]:
         """Yield the names of all modules of a package."""
         for path in sorted(self.root.joinpath(package).rglob("*.py")):
@@ -118,8 +130,7 @@ class _Walk:
         hashes = self.reached.definitions
         with_text = any(module.reads_docstrings for module in self._entered.values())
         for name, statement in self._counted.items():
-            told = statement if with_text else _WithoutText().visit(copy.deepcopy(statement))
-            hashes[name] = sha256(ast.dump(told).encode()).hexdigest()
+            hashes[name] = self.tree.hash_of(name, statement, with_text)
         for module in self._entered.values() if with_text else ():
             hashes[f"{module.name}.<text>"] = sha256(module.texts.encode()).hexdigest()
 
@@ -129,15 +140,14 @@ class _Walk:
             return
         self._enter(module)
         self._count_data_files(module)
-        if name in (_WHOLE, "__dict__"):
+        if name in (WHOLE, "__dict__"):
             self._open += [(module_name, other) for other in module.definitions]
-            self._open += [(star, _WHOLE) for star in module.stars]
-            for dotted in module.meanings.values():
-                self._follow_all(dotted)
+            self._open += [(star, WHOLE) for star in module.stars]
+            self._follow(self.tree.links.of_name(module, WHOLE))
             return
         for order, statement in enumerate(module.definitions.get(name, ())):
             self._count(f"{module_name}.{name}" + (f"~{order}" if order else ""), module, statement)
-        self._follow_all(module.meanings.get(name, ()))
+        self._follow(self.tree.links.of_name(module, name))
         self._open += [(star, name) for star in module.stars]
         if "__getattr__" in module.definitions:
             self._open.append((module_name, "__getattr__"))
@@ -164,81 +174,23 @@ class _Walk:
                 self._enter(module)
 
     def _count_data_files(self, module: Module) -> None:
-        for file in _data_files(module.path.parent) if module.name.startswith("nodes.") else ():
-            name = str(file.relative_to(self.tree.root))
-            if name not in self.reached.definitions:
-                self.reached.definitions[name] = sha256(file.read_bytes()).hexdigest()
+        if module.name.startswith("nodes."):
+            self.reached.definitions |= self.tree.data_files(module.path.parent)
 
     def _count(self, name: str, module: Module, statement: ast.stmt) -> None:
         self._counted[name] = statement
-        names = {name: list(dotted) for name, dotted in module.meanings.items()}
-        for inner in ast.walk(statement):
-            if isinstance(inner, ast.Import | ast.ImportFrom):
-                for local, dotted in module.imported_names(inner).items():
-                    names.setdefault(local, []).append(dotted)
-                for dotted in module.loaded_by(inner):
-                    self._enter_all(dotted)
-                    self._note_package(dotted)
-            elif isinstance(inner, ast.FunctionDef) and inner.name in _UNFOLLOWABLE:
-                self._open_all()
-        for dotted in _names_in(statement):
-            self._follow_name(dotted, module, names)
+        self._follow(self.tree.links.of_statement(name, module, statement))
 
-    def _follow_name(self, dotted: str, module: Module, names: dict[str, list[str]]) -> None:
-        first, _, rest = dotted.partition(".")
-        if _UNFOLLOWABLE & set(dotted.split(".")):
+    def _follow(self, links: Links) -> None:
+        self._open += links.opened
+        self.reached.packages |= links.packages
+        for dotted in links.entered:
+            self._enter_all(dotted)
+        if links.is_unfollowable:
             self._open_all()
-        self._follow_all(name + (f".{rest}" if rest else "") for name in names.get(first, ()))
-        if first in module.definitions:
-            self._open.append((module.name, first))
-        self._open += [(star, first) for star in module.stars]
-
-    def _follow_all(self, dotted: Iterable[str]) -> None:
-        for name in dotted:
-            self._follow_dotted(name)
-
-    def _follow_dotted(self, dotted: str) -> None:
-        """Follow "package.module.definition.attribute": the longest part that is a module."""
-        self._note_package(dotted)
-        if _finds_code(dotted):
-            self._open_all()
-        parts = dotted.split(".")
-        for cut in range(len(parts), 0, -1):
-            module = ".".join(parts[:cut])
-            if self.tree.module(module):
-                rest = parts[cut:]
-                self._open.append((module, rest[0] if rest else _WHOLE))
-                return
-
-    def _note_package(self, dotted: str) -> None:
-        top = dotted.partition(".")[0]
-        if top not in self.tree.packages and top not in sys.stdlib_module_names:
-            self.reached.packages.add(top)
 
     def _open_all(self) -> None:
-        self._open += [(name, _WHOLE) for name in self.tree.names_below("nodes")]
-
-
-def _finds_code(dotted: str) -> bool:
-    """Return whether a name of the standard library finds code by its name."""
-    if dotted.partition(".")[0] not in sys.stdlib_module_names:
-        return False
-    inside = any(f"{dotted}.".startswith(f"{finder}.") for finder in _FINDERS)
-    return inside or dotted == "importlib" or dotted.rpartition(".")[2] in _UNFOLLOWABLE
-
-
-def _names_in(statement: ast.stmt) -> Iterator[str]:
-    """Yield every name, and "a.b.c" instead of "a" where attributes of a name are used."""
-    inner_parts = set()
-    for node in ast.walk(statement):
-        if id(node) in inner_parts or not isinstance(node, ast.Name | ast.Attribute):
-            continue
-        dotted = node.id if isinstance(node, ast.Name) else _dotted(node)
-        if dotted:
-            yield dotted
-            while isinstance(node, ast.Attribute):
-                node = node.value
-                inner_parts.add(id(node))
+        self._open += [(name, WHOLE) for name in self.tree.names_below("nodes")]
 
 
 class _WithoutText(ast.NodeTransformer):
@@ -249,16 +201,6 @@ class _WithoutText(ast.NodeTransformer):
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
             node.body = [s for s in node.body if not is_text(s)] or [ast.Pass()]
         return node
-
-
-def _dotted(node: ast.Attribute) -> str:
-    """Return "a.b.c" for an attribute chain on a plain name, else ""."""
-    parts: list[str] = []
-    inner: ast.expr = node
-    while isinstance(inner, ast.Attribute):
-        parts.append(inner.attr)
-        inner = inner.value
-    return ".".join([inner.id, *reversed(parts)]) if isinstance(inner, ast.Name) else ""
 
 
 def _data_files(folder: Path) -> Iterator[Path]:

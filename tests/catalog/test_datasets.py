@@ -16,6 +16,7 @@ from tests.conftest import ROOT
 
 CATALOG = load_catalog(ROOT / "catalog/catalog.yml")
 STAGES = {stage.name: stage for module in PIPELINES.values() for stage in module.STAGES}
+READER = Project(ROOT).reader
 PARAMETERS = ROOT / "catalog/parameters"
 
 
@@ -65,7 +66,7 @@ def test_every_pipeline_makes_each_dataset_once_and_before_it_is_needed(pipeline
 
 @pytest.mark.parametrize("stage", STAGES.values(), ids=list(STAGES))
 def test_every_parameter_file_has_just_the_fields_of_its_stage(stage: Stage) -> None:
-    facts = Project(ROOT).reader.facts(stage)
+    facts = READER.facts(stage)
     file = PARAMETERS / f"{stage.name}.yml"
     assert file.exists() == bool(facts.parameters)
     if facts.parameters:

@@ -238,7 +238,7 @@ def test_a_long_case_runs_where_its_pipeline_or_that_whose_variant_it_is_is_name
     toy.edit("pipelines/registry.py", '"toy": toy', '"toy": toy, "toy_long": toy_long')
     toy.write(
         "catalog/cases/long.yml",
-        "title: Long\npipeline: toy_long\non_request: true\ninputs: {seed_file: seed/record.json}\n",
+        "title: L\npipeline: toy_long\non_request: true\ninputs: {seed_file: seed/record.json}\n",
     )
     assert "long: skipped, it runs on request" in toy.call("run", "--no-prefect")
     assert "long: done" in toy.call("run", "toy", "--no-prefect")
