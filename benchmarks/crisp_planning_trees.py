@@ -12,20 +12,25 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from benchmarks.crisp_planning_views import made_cavity
 from catalog.yaml_file import load_mapping
 from nodes.environment.measure_distance import measure_distance
-from nodes.geometry.grids import LabelMap
+from nodes.geometry.grids import LabelMap, Volume
+from nodes.mechanics.crisp_edges import CrispEdges
+from nodes.mechanics.follow_crisp_edges import follow_crisp_edges
 from nodes.mechanics.robots import CrispConfiguration, CrispSetup, Material, Needle, Snare
 from nodes.planning.artefacts import CrispTree, PlacedSetup
 from nodes.planning.cavity import make_cavity, make_wall
+from nodes.planning.crisp_collisions import check_steps
 from nodes.planning.parameters import GrowCrispTreesParameters
 from nodes.planning.tree_growth import grow_tree
 from nodes.planning.tree_memory import make_poses
+from nodes.planning.tree_start import follow_parameters
 
 DEFAULTS = Path(__file__).resolve().parent.parent / "catalog/parameters/grow_crisp_trees.yml"
-WANTED_PER_HOUR, WANTED_SPEEDUP, WANTED_PLAN_S = 8e6, 1.8, 1.0
+WANTED_PER_HOUR, WANTED_SPEEDUP = 8e6, 1.8
 NOTHING = np.zeros((0, 3), int)
 LEVER = 57.0
 
@@ -34,20 +39,26 @@ class Place(NamedTuple):
     """Where trees grow."""
 
     grid: LabelMap
+    distances: Volume
     spaces: tuple[Any, Any]
 
 
-def run_trees(nodes: int, repeats: int, goals: int) -> tuple[list[str], dict[str, Any]]:
-    """Return lines of a table, and the same as data."""
+def make_place() -> Place:
+    """Return the ellipsoid; there is no bone about it."""
     grid = made_cavity()
-    place = Place(grid, (make_cavity(grid, measure_distance(grid)), make_wall(grid, ())))
-    results: dict[str, Any] = {}
+    distances = measure_distance(grid)
+    return Place(grid, distances, (make_cavity(grid, distances), make_wall(grid, ())))
+
+
+def run_trees(nodes: int, repeats: int) -> tuple[list[str], dict[str, Any]]:
+    """Return lines of a table, and the same as data."""
+    place, results = make_place(), {}
     lines = [f"{'growing':44} {'us/node':>9} {'M nodes/h/core':>15} {'steps/node':>11}"]
     for name, placed, changed in _runs(nodes):
         lines.append(_time_growth(name, place, placed, changed, repeats, results))
+    lines += _time_parts(place, repeats, results)
     lines += _compare_cores(place, nodes, repeats, results)
     lines += _time_neighbours(results)
-    lines += _time_plans(place, goals, results)
     return lines, results
 
 
@@ -65,10 +76,10 @@ def _runs(nodes: int) -> list[tuple[str, PlacedSetup, dict[str, Any]]]:
 
 
 def _time_growth(name, place, placed, changed, repeats, results) -> str:
-    _grow(place, placed, {"node_limit": 50})
+    grow(place, placed, changed | {"node_limit": 50})
     times, tree = [], None
-    for _ in range(repeats if changed["node_limit"] <= 20_000 else max(repeats // 3, 1)):
-        tree, spent = _cpu_s(lambda: _grow(place, placed, changed))
+    for _ in range(repeats):
+        tree, spent = _cpu_s(lambda: grow(place, placed, changed))
         times.append(spent / len(tree.parents))
     us = statistics.median(times) * 1e6
     counts = {one.name: one.value for one in tree.counts}
@@ -77,8 +88,32 @@ def _time_growth(name, place, placed, changed, repeats, results) -> str:
         "nodes": len(tree.parents), "us_per_node": us, "million_per_hour": 3600 / us,
         "us_per_step": us / steps, **counts,
     }  # fmt: skip
-    met = "" if "short" in name else ("yes" if 3600 / us * 1e6 >= WANTED_PER_HOUR else "NO")
+    met = "yes" if 3600 / us * 1e6 >= WANTED_PER_HOUR else "NO"
+    met = f"8 asked: {met}" if len(results) == 1 else ""
     return f"{name:44} {us:9.1f} {3600 / us:15.2f} {steps:11.1f} {met}"
+
+
+def _time_parts(place: Place, repeats: int, results: dict[str, Any]) -> list[str]:
+    """Time what no tree can do without: a step's solution, and its test for touching."""
+    placed = made_setup(1)
+    tree, setup = grow(place, placed, {"node_limit": 2000}), placed.setup
+    turns = Rotation.from_quat(tree.quaternions.reshape(-1, 4), scalar_first=True).as_matrix()
+    frames, parents = turns.reshape(*tree.quaternions.shape[:2], 3, 3), tree.parents[1:]
+    edges = CrispEdges(
+        frames[parents], frames[1:], tree.lengths_mm[parents], tree.lengths_mm[1:],
+        tree.wrenches[parents], tree.steps[1:],
+    )  # fmt: skip
+    chosen = make_parameters({})
+    rules, robots = follow_parameters(chosen), (frames, tree.lengths_mm, tree.wrenches)
+    solved = [_cpu_s(lambda: follow_crisp_edges(setup, edges, rules))[1] for _ in range(repeats)]
+    tested = [
+        _cpu_s(lambda: check_steps(setup, *robots, chosen, *place.spaces))[1]
+        for _ in range(repeats)
+    ]
+    solve = 1e6 * min(solved) / int(tree.steps.sum())
+    test = 1e6 * min(tested) / len(frames)
+    results["parts"] = {"solve_us_per_step": solve, "test_us_per_step": test}
+    return [f"alone, us a step: solved {solve:.2f}, sampled and tested for touching {test:.2f}"]
 
 
 def _compare_cores(place, nodes, repeats, results) -> list[str]:
@@ -93,7 +128,7 @@ def _compare_cores(place, nodes, repeats, results) -> list[str]:
 
 
 def _wall_s(place: Place, placed: PlacedSetup, nodes: int, trees: int) -> float:
-    return float(_grow(place, placed, {"node_limit": nodes, "trees": trees}).seconds.max())
+    return float(grow(place, placed, {"node_limit": nodes, "trees": trees}).seconds.max())
 
 
 def _time_neighbours(results: dict[str, Any]) -> list[str]:
@@ -144,31 +179,16 @@ def _search_all_signs(tree: Any, point: np.ndarray) -> float:
     return min(tree.query(point * flip)[0] for flip in flips)
 
 
-def _time_plans(place: Place, goals: int, results: dict[str, Any]) -> list[str]:
-    """Time until a random goal is seen, of those that a tree of a minute's nodes sees."""
-    chance, placed = np.random.default_rng(1), made_setup(1)
-    boundary = np.argwhere(place.grid.mask("boundary"))
-    cells = boundary[chance.choice(len(boundary), 2 * goals, replace=False)]
-    whole = _grow(place, placed, {"node_limit": 40_000, "trees": 2}, cells)
-    visible = cells[whole.seeing >= 0][:goals]
-    times = []
-    for cell in visible:
-        began = time.perf_counter()
-        changed = {"node_limit": 400_000, "trees": 2, "stop_when_seen": True}
-        _grow(place, placed, changed, cell[None])
-        times.append(time.perf_counter() - began)
-    median, most = statistics.median(times), max(times)
-    results["first_plan"] = {
-        "goals": len(times), "median_s": median, "longest_s": most,
-        "visible_share": float((whole.seeing >= 0).mean()),
-    }  # fmt: skip
-    met = "yes" if median < WANTED_PLAN_S else "NO"
-    return [f"first node that sees a goal: median {median:.3f} s, longest {most:.2f} s: {met}"]
+def grow(
+    place: Place, placed: PlacedSetup, changed: dict[str, Any], cells: np.ndarray = NOTHING
+) -> CrispTree:
+    """Return a tree with the catalogue's parameters but these; one, unless they say more."""
+    return grow_tree(placed, *place.spaces, cells, make_parameters(changed))
 
 
-def _grow(place: Place, placed, changed: dict[str, Any], cells: np.ndarray = NOTHING) -> CrispTree:
+def make_parameters(changed: dict[str, Any]) -> GrowCrispTreesParameters:
     values = load_mapping(DEFAULTS) | {"sheath_avoids": (), "trees": 1, "time_limit_s": 3600.0}
-    return grow_tree(placed, *place.spaces, cells, GrowCrispTreesParameters(**(values | changed)))
+    return GrowCrispTreesParameters(**(values | changed))
 
 
 def _cpu_s(work: Callable[[], Any]) -> tuple[Any, float]:

@@ -20,16 +20,16 @@ COLLAPSE = [
         {"ct": "scanned_ct", "label_map": "scanned_label_map"},
         ["ct", "label_map"],
     ),
+]
+
+STAGES = [
+    *COLLAPSE,
     Stage(
         "environment.build_occupancy_grid",
         ["label_map"],
         ["occupancy_grid", "parts_table"],
         "build_cavity_grid",
     ),
-]
-
-STAGES = [
-    *COLLAPSE,
     *anatomy.SURFACES,
     *anatomy.SPACE,
     *anatomy.SHOW,

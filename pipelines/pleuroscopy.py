@@ -4,7 +4,7 @@ Its variants begin with a phantom (`pleuroscopy_phantom`) or with a lung that is
 simulation (`pleuroscopy_collapsed`); all then go the same way.
 """
 
-from pipelines import anatomy, thorax_phantom
+from pipelines import anatomy
 from pipelines.stage import Stage
 
 CHOOSE = [
@@ -33,7 +33,7 @@ PLAN = [
     ),
     Stage(
         "planning.check_crisp_plans",
-        ["motion_plans", "occupancy_grid", "label_map"],
+        ["motion_plans", "goals", "occupancy_grid", "label_map"],
         ["checked_plans", "plan_table"],
     ),
 ]
@@ -57,16 +57,19 @@ SHOW = [
 SECTIONS = ("plans_section", "visibility_section", "setups_section")
 
 GRID = [
-    thorax_phantom.EFFUSION,
+    Stage(
+        "environment.build_occupancy_grid",
+        ["label_map"],
+        ["occupancy_grid", "parts_table"],
+        "build_fine_effusion_grid",
+    ),
     Stage("environment.build_surfaces", ["label_map"], ["surfaces"]),
     *anatomy.SPACE,
 ]
 REPORT = [
     *SHOW,
     *anatomy.SHOW,
-    Stage(
-        "reporting.build_case_page", [*SECTIONS, *anatomy.SECTIONS, "run_account"], ["page"]
-    ),
+    Stage("reporting.build_case_page", [*SECTIONS, *anatomy.SECTIONS, "run_account"], ["page"]),
 ]
 MEASURE = [Stage("environment.measure_labels", ["label_map", "surfaces"], ["label_table"])]
 

@@ -16,7 +16,11 @@ STUDY = [
         ["visibility_sets", "visibility_table"],
     ),
     Stage("visibility.tabulate_study", ["seeding_table", "visibility_sets"], ["study_table"]),
-    Stage("reporting.show_study", ["study_table", "visibility_sets"], ["study_section"]),
+    Stage(
+        "reporting.show_study",
+        ["study_table", "visibility_sets", "crisp_trees"],
+        ["study_section"],
+    ),
     *pleuroscopy.SHOW[1:],
     Stage(
         "reporting.build_case_page",

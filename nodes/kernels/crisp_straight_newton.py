@@ -34,6 +34,7 @@ class Solver(NamedTuple):
     signs : (LANES,) of the determinants of Jacobians that were inverted last.
     square : (6 k, 12 k) no lanes: to invert one.
     steps : (2 k,) int64 of the Jacobian's rods.
+    iterations : (1,) changes of wrenches so far, counted on and on.
     """
 
     residual: np.ndarray
@@ -51,6 +52,7 @@ class Solver(NamedTuple):
     signs: np.ndarray
     square: np.ndarray
     steps: np.ndarray
+    iterations: np.ndarray
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -141,6 +143,7 @@ def _find_change(solver):
 @njit(cache=True, nogil=True, error_model="numpy")
 def _move(wrenches, alive, largest, solver):
     """Change the wrenches of lanes that are alive; by less where they would change by much."""
+    store(solver.iterations, 0, load(solver.iterations, 0) + alive)
     size, room = spread(0.0), spread(1.0)
     for row in range(len(wrenches)):
         change, now = absolute(load(solver.change, row)), absolute(load(wrenches, row))

@@ -18,7 +18,15 @@ from nodes.kernels.crisp_straight_edges import Edges, Rules, Track, follow
 from nodes.kernels.crisp_straight_newton import Solver
 from nodes.kernels.crisp_straight_residual import Pose, Robot, Workspace
 from nodes.kernels.crisp_tree_chance import Region, draw, draw_configuration
-from nodes.kernels.crisp_tree_front import IDLE, Scale, aim, lay_poses, lay_steps, orient
+from nodes.kernels.crisp_tree_front import (
+    IDLE,
+    Scale,
+    aim,
+    count_upright,
+    lay_poses,
+    lay_steps,
+    orient,
+)
 from nodes.kernels.crisp_tree_steps import (
     check_steps,
     judge_steps,
@@ -31,7 +39,7 @@ from nodes.kernels.crisp_tree_views import look_out
 from nodes.kernels.nearest_poses import ROWS, insert_pose, nearest_pose
 
 GOES_ON, IS_FULL, HAS_ENDED = 0, 1, 2
-EDGES, COMPLETE, BARREN = 8, 9, 10  # places of counts after those of crisp_tree_steps
+EDGES, COMPLETE, BARREN, TILTED = 8, 9, 10, 11  # places of counts after those of crisp_tree_steps
 
 
 class Task(NamedTuple):
@@ -44,6 +52,7 @@ class Task(NamedTuple):
     seed : (6 k, LANES) wrenches from which every step is solved where `is_seeded` is False.
     chunk : steps that are solved in one go.
     most : nodes, the start counted.
+    slides : whether edges from nodes at walls move only some joints.
     """
 
     robot: Robot
@@ -61,6 +70,7 @@ class Task(NamedTuple):
     is_seeded: bool
     chunk: int
     most: int
+    slides: bool
 
 
 class Nodes(NamedTuple):
@@ -70,6 +80,7 @@ class Nodes(NamedTuple):
     quaternions, lengths : (node, n, 4), (node, n) mm.
     wrenches : (node, 6 k) in the kernels' units.
     tips : (node, 9) as in Track.
+    failed : (node,) uint8, whether an edge from it once failed at its first step.
     size : (1,) int64 nodes that there are.
     """
 
@@ -79,6 +90,7 @@ class Nodes(NamedTuple):
     lengths: np.ndarray
     wrenches: np.ndarray
     tips: np.ndarray
+    failed: np.ndarray
     size: np.ndarray
 
 
@@ -184,9 +196,7 @@ def _begin(task, nodes, poses, front, room, lane):
     Those that start while there is no node but the start go a random share of their way
     [Kuntz2017] Sec. IV-A.
     """
-    draw_configuration(room.chance, task.region, room.quaternions, room.lengths)
-    _scale_point(room, task.levers)
-    parent, _ = nearest_pose(poses, room.point)
+    parent = _choose(task, nodes, poses, room)
     front.parents[lane], front.at[lane] = parent, 0
     for needle in range(len(room.lengths)):
         front.lengths[lane, needle] = nodes.lengths[parent, needle]
@@ -197,8 +207,35 @@ def _begin(task, nodes, poses, front, room, lane):
     count = aim(front, lane, room.quaternions, room.lengths, task.scale)
     if nodes.size[0] == 1:
         count = int(np.ceil((1.0 - draw(room.chance)) * count))
-    front.ends[lane] = count
+    upright = count_upright(front, lane, task.region)
+    front.cut[lane] = upright < count
+    front.ends[lane] = max(int(upright), 0) if front.cut[lane] else count
     room.counts[EDGES] += 1
+
+
+@njit(**INNER)
+def _choose(task, nodes, poses, room):
+    """Draw a configuration and return the node nearest to it.
+
+    Where an edge from that node once failed at its first step, it stands at a wall, and would fail
+    again in most directions: then only some joints, drawn at random, go to what was drawn, so that
+    it may slide along. Else the tree would hardly get away from walls, which hide most of what is
+    drawn from the nodes behind.
+    """
+    draw_configuration(room.chance, task.region, room.quaternions, room.lengths)
+    _scale_point(room, task.levers)
+    parent, _ = nearest_pose(poses, room.point)
+    if task.slides and nodes.failed[parent]:
+        joints, moving = 2 * len(room.lengths), 0
+        while moving == 0:
+            moving = int(draw(room.chance) * 2**joints)
+        for needle in range(len(room.lengths)):
+            if not (moving >> (2 * needle)) & 1:
+                for part in range(4):
+                    room.quaternions[needle, part] = nodes.quaternions[parent, needle, part]
+            if not (moving >> (2 * needle + 1)) & 1:
+                room.lengths[needle] = nodes.lengths[parent, needle]
+    return parent
 
 
 @njit(**INNER)
@@ -211,17 +248,25 @@ def _scale_point(room, levers):
 
 @njit(**INNER)
 def _settle(task, nodes, poses, front, sights, room, lane):
-    """Go on to the last step that holds; where a lane's edge ends, add a node."""
+    """Go on to the last step that holds; where a lane's edge ends, add a node.
+
+    Where no step holds, the lane stands as it stood: that its solution is found again cannot be
+    counted on.
+    """
     valid = room.valid[lane]
     front.at[lane] += valid
-    for row in range(len(front.wrenches)):
-        front.wrenches[row, lane] = room.track.wrenches[valid, row, lane]
+    if valid > 0:
+        for row in range(len(front.wrenches)):
+            front.wrenches[row, lane] = room.track.wrenches[valid, row, lane]
+        for row in range(9):
+            front.tips[row, lane] = room.track.tips[valid, row, lane]
     is_there = front.at[lane] == front.ends[lane]
     if not is_there and not room.stuck[lane]:
         return
-    room.counts[COMPLETE] += is_there
+    room.counts[TILTED if front.cut[lane] else COMPLETE] += is_there
     if front.at[lane] == 0:
         room.counts[BARREN] += 1
+        nodes.failed[front.parents[lane]] = 1
     elif nodes.size[0] < task.most:
         _add(task, nodes, poses, front, sights, room, lane)
     front.parents[lane] = IDLE
@@ -239,7 +284,7 @@ def _add(task, nodes, poses, front, sights, room, lane):
     for row in range(nodes.wrenches.shape[1]):
         nodes.wrenches[node, row] = front.wrenches[row, lane]
     for row in range(9):
-        nodes.tips[node, row] = room.track.tips[room.valid[lane], row, lane]
+        nodes.tips[node, row] = front.tips[row, lane]
     nodes.parents[node], nodes.steps[node] = front.parents[lane], step
     nodes.size[0] = node + 1
     _scale_point(room, task.levers)

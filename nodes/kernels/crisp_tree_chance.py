@@ -15,11 +15,13 @@ class Region(NamedTuple):
     """Where configurations may be.
 
     axes : (n, 4) quaternions that turn e_z to the axes about which needles tilt.
+    directions : (n, 3) those axes.
     heights : (n,) cosines of the largest tilts.
     shortest, longest : (n,) mm.
     """
 
     axes: np.ndarray
+    directions: np.ndarray
     heights: np.ndarray
     shortest: np.ndarray
     longest: np.ndarray

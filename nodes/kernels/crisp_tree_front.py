@@ -17,19 +17,22 @@ class Front(NamedTuple):
 
     parents : (LANES,) int64 node from which each starts, or IDLE.
     at, ends : (LANES,) int64 steps behind it, and after which it ends.
+    cut : (LANES,) int64, whether it ends there since a needle would tilt too far.
     quaternions, lengths : (LANES, n, 4), (LANES, n) at the parent; mm.
     turns, growths : (LANES, n, 3), (LANES, n) rotation vector and growth in one step.
-    wrenches : (6 k, LANES) where it stands.
+    wrenches, tips : (6 k, LANES), (9, LANES) where it stands, after its first steps.
     """
 
     parents: np.ndarray
     at: np.ndarray
     ends: np.ndarray
+    cut: np.ndarray
     quaternions: np.ndarray
     lengths: np.ndarray
     turns: np.ndarray
     growths: np.ndarray
     wrenches: np.ndarray
+    tips: np.ndarray
 
 
 class Scale(NamedTuple):
@@ -65,6 +68,33 @@ def aim(front, lane, quaternions, lengths, scale):
             front.turns[lane, needle, axis] /= count
         front.growths[lane, needle] /= count
     return count
+
+
+@njit(**INNER)
+def count_upright(front, lane, region):
+    """Return after how many steps of its edge a lane's first needle leaves its cone.
+
+    A tangent t that turns about u is at a cosine A + B cos x + C sin x from an axis a, with
+    A = (u t) (u a), B = t a - A and C = (u x t) a; so it is within the cone on one arc.
+    """
+    fewest = np.inf
+    for needle in range(front.lengths.shape[1]):
+        u, v, w = front.turns[lane, needle]
+        angle = np.sqrt(u * u + v * v + w * w)
+        if angle == 0.0:
+            continue
+        u, v, w = u / angle, v / angle, w / angle
+        matrix = to_matrix(front.quaternions[lane, needle])
+        x, y, z = matrix[2], matrix[5], matrix[8]
+        a, b, c = region.directions[needle]
+        still = (u * x + v * y + w * z) * (u * a + v * b + w * c)
+        even = a * x + b * y + c * z - still
+        odd = (v * z - w * y) * a + (w * x - u * z) * b + (u * y - v * x) * c
+        size, height = np.sqrt(even * even + odd * odd), region.heights[needle] - still
+        if height > -size:
+            arc = np.arccos(height / size) if height < size else 0.0
+            fewest = min(fewest, (np.arctan2(odd, even) + arc) / angle)
+    return fewest
 
 
 @njit(**INNER)

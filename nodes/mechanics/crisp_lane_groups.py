@@ -277,6 +277,7 @@ def make_room(joints: int) -> tuple["Solver", "Workspace"]:
     solver = Solver(
         *vectors, inverse, jacobian, make_lanes(36), make_lanes(6 * rows), make_lanes(PATIENCE),
         product, np.zeros(LANES), np.empty((rows, 2 * rows)), np.empty(2 * joints, np.int64),
+        make_lanes(1),
     )  # fmt: skip
     sites = SITE_ROWS * joints
     return solver, Workspace(

@@ -6,8 +6,9 @@ import numpy as np
 
 from nodes.geometry.grids import LabelMap
 from nodes.mechanics.shapes import Figure
-from nodes.planning.artefacts import CheckedPlan, CheckedPlans, MotionPlan, MotionPlans
+from nodes.planning.artefacts import CheckedPlan, CheckedPlans, Goals, MotionPlan, MotionPlans
 from nodes.planning.checking_boxes import Boxes, make_boxes
+from nodes.planning.checking_goals import check_goal
 from nodes.planning.checking_mechanics import check_mechanics
 from nodes.planning.checking_shapes import Followed, follow_motion
 from nodes.planning.checking_sight import are_on_surface, see_cells
@@ -33,6 +34,7 @@ CHECKED = (
 
 def check_crisp_plans(
     motion_plans: MotionPlans,
+    goals: Goals,
     occupancy_grid: LabelMap,
     label_map: LabelMap,
     parameters: CheckCrispPlansParameters,
@@ -46,6 +48,7 @@ def check_crisp_plans(
     Parameters
     ----------
     motion_plans : as a planner found them.
+    goals : that were asked for.
     occupancy_grid : all but "free" is anatomy, and so is what lies beyond the grid.
     label_map : what sheaths avoid outside.
 
@@ -60,12 +63,14 @@ def check_crisp_plans(
     """
     cavity = make_boxes(~occupancy_grid.mask("free"), occupancy_grid.patient_from_index, True)
     space = Space(cavity, label_map)
-    checked = tuple(_check(plan, space, parameters) for plan in motion_plans.plans)
+    checked = tuple(_check(plan, goals, space, parameters) for plan in motion_plans.plans)
     origin = motion_plans.origin.with_notice(CHECKED)
     return CheckedPlans(checked, origin), _to_table(checked)
 
 
-def _check(plan: MotionPlan, space: Space, parameters: CheckCrispPlansParameters) -> CheckedPlan:
+def _check(
+    plan: MotionPlan, goals: Goals, space: Space, parameters: CheckCrispPlansParameters
+) -> CheckedPlan:
     motion, setup = plan.motion, plan.placed.setup
     steps = len(motion.lengths_mm)
     nothing = np.full(steps, np.nan)
@@ -77,7 +82,8 @@ def _check(plan: MotionPlan, space: Space, parameters: CheckCrispPlansParameters
         return CheckedPlan(plan, False, tuple(nonsense), (), nothing, nothing)
     fine = cut_finely(motion, parameters.resolution)
     joint_failures, joint_figures = check_joint_steps(motion, parameters)
-    failures = check_start(motion, plan.placed) + check_limits(fine, plan.placed) + joint_failures
+    failures = check_goal(plan, goals) + check_start(motion, plan.placed)
+    failures += check_limits(fine, plan.placed) + joint_failures
     followed = follow_motion(setup, fine, motion.wrenches[0], parameters)
     broken, figures = check_mechanics(plan, fine, followed, parameters)
     failures += broken
@@ -132,7 +138,7 @@ def _to_table(checked: tuple[CheckedPlan, ...]) -> "pandas.DataFrame":
         told = {figure.name: figure for figure in each.figures}
         rows.append({
             "goal": each.proposed.goal,
-            "setup": each.proposed.placed.name,
+            "setup": each.proposed.placed.name if len(each.proposed.motion.lengths_mm) else "none",
             "verdict": _verdict(each),
             "steps": len(each.proposed.motion.lengths_mm),
             **{column: _value(told, name) for column, name in columns.items()},

@@ -62,6 +62,11 @@ def find_nonsense(motion: CrispMotion, setup: CrispSetup) -> list[str]:
     wrong = (off > ROUNDING) | (np.linalg.det(turns) < 0).any(axis=1)
     if wrong.any():
         return [f"step {_first(wrong)}: an orientation is no rotation"]
+    bottom = abs(motion.patient_from_camera[:, 3] - [0, 0, 0, 1]).max(axis=1)
+    if (bottom > 0).any():
+        return [
+            f"step {_first(bottom > 0)}: the camera's pose is none: its last row is not 0 0 0 1"
+        ]
     short = (motion.lengths_mm <= 0).any(axis=1)
     for snare in setup.snares:
         short |= motion.lengths_mm[:, 0] <= snare.grasp_mm

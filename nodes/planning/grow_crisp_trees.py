@@ -21,6 +21,7 @@ def grow_crisp_trees(
 
     A configuration is drawn at random, and the tree grows towards it from its nearest node in small
     steps, each solved from the one before and tested for touching, up to the last that is valid.
+    Nodes at walls, from which edges fail at once, may move some joints only, to slide along.
     All needles are straight when nothing bends them. Same seed and limit of nodes, same trees,
     whatever the machine's threads; only `seconds`, and an ending by time, depend on the clock.
 

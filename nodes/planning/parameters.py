@@ -7,6 +7,8 @@ from pydantic import Field
 from nodes.mechanics.parameters import FollowCrispEdgesParameters, ShapeCrispParameters
 from nodes.parameters import Parameters
 
+Grasp = Annotated[float, Field(gt=0, le=200)]
+
 
 class ClearanceParameters(Parameters):
     """What counts as a touch; of all nodes of planning that check collisions."""
@@ -55,6 +57,9 @@ class GrowCrispTreesParameters(ClearanceParameters):
     seed_from: Literal["parent", "start", "zero"]
     """From which wrenches a step is solved: those of the step before, those of the tree's start, or
     none [Kuntz2017] Sec. V-C."""
+    joints_at_walls: Literal["all", "some"]
+    """Which joints edges move that start where one failed at its first step: all, to the whole
+    configuration that was drawn [Kuntz2017] Sec. IV-A, or some of them, drawn at random."""
     chunk_steps: Annotated[int, Field(ge=1, le=100)]
     """Steps of an edge that are solved before they are tested for touching; without unit."""
     tolerance_mm: Annotated[float, Field(gt=0, le=1e-3)]
@@ -109,7 +114,7 @@ class SearchCrispSetupsParameters(GrowCrispTreesParameters):
     joint: Literal["rigid", "relaxed"]
     """How the snare next to the tip holds the tool: [Kuntz2017] eq. (6), or [Anderson2017] eq. (6)
     and (16). Others are relaxed, since rigid joints hold all snares parallel."""
-    grasp_places_mm: Annotated[tuple[Annotated[float, Field(gt=0, le=200)], ...], Field(min_length=1)]
+    grasp_places_mm: Annotated[tuple[Grasp, ...], Field(min_length=1)]
     """Places on the tool, from its tip, at which that snare is tried, mm."""
     joint_spacing_mm: Annotated[float, Field(gt=0, le=200)]
     """Least distance between joints along the tool, mm."""

@@ -86,23 +86,25 @@ def _plan_goal(scene: Scene, goals: Goals, goal: int) -> list[MotionPlan]:
         return [_tell_unseen(scene, goals, goal, cells)]
     left = np.any([offer.seen for offer in offers], axis=0)
     rng = np.random.default_rng([scene.parameters.seed, goal])
-    found, failed = [], 0
+    found, failed = [], [0] * len(scene.trees)
     while left.any() and len(found) < scene.parameters.viewpoints:
+        tried_out = [count == scene.parameters.candidates for count in failed]
+        offers = [one for one in offers if not tried_out[one.tree]]
         offer = _choose(scene, offers, left)
-        if offer is None or failed == scene.parameters.candidates:
+        if offer is None:
             break
         offers = [one for one in offers if one is not offer]
         way, seen = _try_offer(scene, surface, offer, left, rng)
         if way is None:
-            failed += 1
+            failed[offer.tree] += 1
             later = find_next(surface, scene.trees, offer)
             offers += [later] if later else []
             continue
         found.append((offer, way, seen))
         left &= ~seen
-        failed = 0
+        failed = [0] * len(scene.trees)
     if not found:
-        return [_tell_failed(scene, goals, goal, failed)]
+        return [_tell_failed(scene, goals, goal, sum(failed))]
     return [_to_plan(scene, goals, goal, cells, found, number) for number in range(len(found))]
 
 

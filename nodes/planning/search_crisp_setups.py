@@ -71,6 +71,12 @@ def search_crisp_setups(
     wall = make_wall(label_map, parameters.sheath_avoids)
     if given_setups.setups:
         return _take_given(given_setups, label_map, occupancy_grid, (cavity, wall), parameters)
+    if not parameters.two_needles + parameters.three_needles:
+        raise BadInput(
+            "two_needles: 0 and three_needles: 0",
+            "a search grows set-ups of two needles or of three",
+            "set one of the two above 0, or hand in set-ups as given_setups",
+        )
     needles = 2 if parameters.two_needles else 3
     place = Place(
         read_entries(entry_table, needles), find_surface(occupancy_grid), cavity, wall, goals
@@ -90,7 +96,7 @@ def search_crisp_setups(
         simulated=True,
         notices=occupancy_grid.origin.notices,
     ).with_notice(CHOSEN, *filter(None, [notice]))
-    setups = tuple(one.candidate.placed for one in grown[:count])
+    setups = tuple(_call(one.candidate.placed, origin) for one in grown[:count])
     return PlacedSetups(setups, origin), tabulate_grown(grown, count, place, parameters)
 
 
@@ -114,6 +120,11 @@ def _take_given(
         check_start(placed, scene, search)
     origin = given.origin.with_notice(*filter(None, notices))
     return PlacedSetups(given.setups, origin), tabulate_given(given.setups, scene)
+
+
+def _call(placed: PlacedSetup, origin: Origin) -> PlacedSetup:
+    """Return the set-up with what it comes from in its own file, too."""
+    return replace(placed, setup=replace(placed.setup, origin=origin))
 
 
 def _rename(candidate: Candidate, name: str) -> Candidate:

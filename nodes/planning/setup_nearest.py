@@ -13,6 +13,7 @@ from nodes.planning.setup_starts import Entries, Limits, lay_starts, roll_needle
 
 WAYS = 16  # places that are tried on the straight way to a start that works
 FACTOR = 2.0  # by which the search goes further out each time
+JUDGED_ALONE = 8  # nearest ones that are judged again, as the start will be: one by one
 QUATERNION_DIGITS, LENGTH_DIGITS = 6, 2  # that a person has to paste
 
 
@@ -92,9 +93,12 @@ def _nearest_of(placed: PlacedSetup, tried: Tried, scene: Scene) -> Offer | None
         return None
     tried = tried.take(works)
     distances = _distances(placed.start, tried)
-    nearest = int(distances.argmin())
-    start = CrispConfiguration(tried.frames[nearest], tried.lengths[nearest])
-    return Offer(start, float(distances[nearest]))
+    for nearest in np.argsort(distances, kind="stable")[:JUDGED_ALONE]:
+        alone = tried.take(np.array([nearest]))
+        if judge_starts(placed.setup, alone.frames, alone.lengths, scene)[0] == 0:
+            start = CrispConfiguration(alone.frames[0], alone.lengths[0])
+            return Offer(start, float(distances[nearest]))
+    return None
 
 
 def _within_limits(placed: PlacedSetup, tried: Tried) -> Bool[np.ndarray, " robot"]:

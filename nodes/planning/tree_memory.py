@@ -4,6 +4,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from nodes.geometry.lines_of_sight import half_view
+
 if TYPE_CHECKING:
     from nodes.kernels.crisp_tree import Nodes, Room
     from nodes.kernels.crisp_tree_front import Front
@@ -11,7 +13,7 @@ if TYPE_CHECKING:
     from nodes.kernels.nearest_poses import Poses
 
 POSES_A_LEAF = 6  # of sixteen at most; with fewer, more leaves are made as they are needed
-COUNTS = 11  # what the kernels count
+COUNTS = 12  # what the kernels count
 
 
 class Sizes(NamedTuple):
@@ -34,6 +36,7 @@ def make_nodes(count: int, sizes: Sizes) -> "Nodes":
         np.zeros((count, sizes.needles)),
         np.zeros((count, 6 * sizes.joints)),
         np.zeros((count, 9)),
+        np.zeros(count, np.uint8),
         np.zeros(1, np.int64),
     )
 
@@ -86,11 +89,13 @@ def make_front(sizes: Sizes) -> "Front":
         np.full(LANES, IDLE, np.int64),
         np.zeros(LANES, np.int64),
         np.zeros(LANES, np.int64),
+        np.zeros(LANES, np.int64),
         np.zeros((LANES, needles, 4)),
         np.zeros((LANES, needles)),
         np.zeros((LANES, needles, 3)),
         np.zeros((LANES, needles)),
         make_lanes(6 * sizes.joints),
+        make_lanes(9),
     )
 
 
@@ -135,7 +140,7 @@ def make_sights(cells: np.ndarray, field_of_view_deg: float) -> "Sights":
         np.arange(count),
         np.array([count]),
         np.full(count, -1),
-        float(np.cos(np.radians(field_of_view_deg / 2)) ** 2),
+        half_view(field_of_view_deg),
         np.zeros(3),
         np.zeros(3),
     )

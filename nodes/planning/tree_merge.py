@@ -13,7 +13,10 @@ if TYPE_CHECKING:
     from nodes.planning.tree_growth import Growth
 
 COUNTED = (
-    ("no solution", "edges that ended since their next step has none on the branch followed"),
+    (
+        "steps without a solution",
+        "edges that ended since their next step has none on the branch followed",
+    ),
     ("touches anatomy", "edges that ended before a needle would touch anatomy"),
     ("needles touch", "edges that ended before needles would touch one another"),
     ("sheath touches bone", "edges that ended before a sheath would touch bone"),
@@ -24,6 +27,7 @@ COUNTED = (
     ("edges", "edges tried, each towards a configuration drawn at random"),
     ("complete edges", "edges that came as far as they were meant to"),
     ("barren edges", "edges of which not even the first step was valid"),
+    ("tilts too far", "edges that ended before a needle would tilt more than it may"),
 )
 
 
@@ -98,7 +102,11 @@ def _find_first(seeing: list[np.ndarray], places: list[np.ndarray]) -> Int[np.nd
 
 def _count(growths: list["Growth"]) -> tuple[Figure, ...]:
     totals = np.sum([growth.room.counts for growth in growths], axis=0)
-    return tuple(
-        Figure(name, float(total), "", meaning)
-        for (name, meaning), total in zip(COUNTED, totals, strict=True)
+    iterations = sum(growth.room.solver.iterations.sum() for growth in growths)
+    return (
+        *(
+            Figure(name, float(total), "", meaning)
+            for (name, meaning), total in zip(COUNTED, totals, strict=True)
+        ),
+        Figure("iterations", float(iterations), "", "changes of wrenches to solve steps"),
     )

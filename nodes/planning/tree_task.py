@@ -66,6 +66,7 @@ def make_task(
         parameters.seed_from == "parent",
         parameters.chunk_steps,
         most,
+        parameters.joints_at_walls == "some",
     )
 
 
@@ -98,7 +99,8 @@ def _make_region(placed: PlacedSetup) -> "Region":
 
     quaternions = np.array([_turn_from_z(axis) for axis in placed.axes])
     limits = placed.shortest_mm, placed.longest_mm
-    return Region(quaternions, np.cos(placed.largest_tilts_rad), *map(np.array, limits))
+    heights = np.cos(placed.largest_tilts_rad)
+    return Region(quaternions, np.array(placed.axes), heights, *map(np.array, limits))
 
 
 def _turn_from_z(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "4"]:

@@ -218,6 +218,9 @@ class ShowStudyParameters(Parameters):
     paper_cores: Annotated[int, Field(ge=1)]
     """Cores of the paper's processor (no unit); [Kuntz2017] Sec. V."""
 
+    paper_cells: Annotated[int, Field(ge=1)]
+    """Cells of the paper's surface, about (no unit); [Kuntz2017] Sec. V-B."""
+
     paper_hours: Length
     """Hours for which the paper's trees grew; [Kuntz2017] Sec. V-A."""
 

@@ -44,7 +44,7 @@ def render_shares(sets: VisibilitySets, points: int) -> str:
     charts = [
         Chart(
             title,
-            "time of growing and looking in s",
+            "time of growing in s",
             "seen in %",
             tuple(
                 Curve(

@@ -60,11 +60,12 @@ def show_plans(
     of the page.
     """
     plans = checked_plans.plans
-    drawn = plans[: parameters.most_motions]
+    drawn = tuple(sorted(plans, key=rank))[: parameters.most_motions]
     tissues = gather_tissues(surfaces, parameters.tissue_mm)
+    decimals = parameters.decimals
     smooth = soften_distance(distance_field, parameters.smoothing_mm)
     values = {
-        "summary": render_table(summarise(plans), tell_rest(plans, parameters), 2, 2),
+        "summary": render_table(summarise(plans), tell_rest(plans, parameters), decimals, decimals),
         "plans": [
             describe(plan, smooth, tissues, parameters) | {"name": name}
             for plan, name in zip(drawn, name_choices(drawn), strict=True)
@@ -86,7 +87,7 @@ def tell_verdict(plan: CheckedPlan) -> tuple[str, str, str]:
     """Return the kind of a verdict, its heading, and a sentence for a reader."""
     proposed = plan.proposed
     if proposed.status != "planned":
-        return "none", f"No motion to {proposed.goal}", proposed.reason
+        return "none", f"No motion to {proposed.goal}", begin_sentence(proposed.reason)
     if plan.passed:
         head = f"Plan to {proposed.goal}: passed the independent check"
         return "passed", head, f"With {proposed.placed.name}. {MODEL}"
@@ -94,21 +95,34 @@ def tell_verdict(plan: CheckedPlan) -> tuple[str, str, str]:
     return "refused", f"Refused by the independent check: motion to {proposed.goal}", words
 
 
-VERDICTS = {"passed": "plan, passed", "refused": "refused", "none": "no motion"}
+VERDICTS = {"passed": "plan, passed", "refused": "refused, no plan", "none": "no motion"}
+
+
+def rank(plan: CheckedPlan) -> int:
+    """Return where a motion stands among those that are drawn: plans first, what is none last."""
+    return list(VERDICTS).index(tell_verdict(plan)[0])
+
+
+def begin_sentence(words: str) -> str:
+    """Return words with a capital at the beginning and a point at the end."""
+    return f"{words[:1].upper()}{words[1:]}".rstrip(".") + "."
 
 
 def summarise(plans: tuple[CheckedPlan, ...]) -> "pandas.DataFrame":
-    """Return one row a goal: verdict, steps, least clearance and margin."""
+    """Return one row a motion: goal, verdict, steps, least clearance and margin."""
     import pandas
 
     rows = []
     for plan in plans:
         proposed = plan.proposed
+        x, y, z = map(float, proposed.goal_point_patient_mm)
+        steps = len(proposed.motion.lengths_mm) or None
         rows.append({
             "goal": proposed.goal,
+            "place in LPS_mm": f"[{x:.1f}, {y:.1f}, {z:.1f}]",
             "verdict of the check": VERDICTS[tell_verdict(plan)[0]],
-            "set-up": proposed.placed.name,
-            "steps": len(proposed.motion.lengths_mm) or None,
+            "set-up": proposed.placed.name if steps else None,
+            "steps": steps,
             "least_clearance_mm": find_least(plan.clearances_mm),
             "least stability margin": find_least(plan.margins),
         })  # fmt: skip

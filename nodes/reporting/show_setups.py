@@ -23,6 +23,11 @@ if TYPE_CHECKING:
     import pandas
 
 
+NEEDLES = "Needles of all set-ups; entries and tubes are those with which plans were computed."
+ROUND = "share_round_"
+"""How the columns begin that say what a candidate saw after each round of the search."""
+
+
 def show_setups(
     crisp_trees: CrispTrees,
     setup_table: "pandas.DataFrame",
@@ -48,8 +53,8 @@ def show_setups(
     html = render_starts(trees, surfaces, parameters) if trees else ""
     decimals = parameters.decimals
     needles = tabulate_needles(tuple(tree.placed for tree in trees))
-    html += render_table(needles, "Needles of all set-ups.", decimals, decimals)
-    table = tell_shares(setup_table.head(parameters.rows))
+    html += render_table(needles, NEEDLES if len(needles) else "", decimals, decimals)
+    table = tell_candidates(setup_table.head(parameters.rows))
     html += render_table(table, tell_rows(len(setup_table), parameters.rows), decimals, decimals)
     scripts = SCRIPTS if trees else ()
     return Section(parameters.title, html, warnings_of(crisp_trees.origin), scripts)
@@ -91,20 +96,38 @@ def describe_needles(placed: PlacedSetup) -> list[dict[str, object]]:
         x, y, z = setup.entry_points_patient_mm[place]
         snare = grasps.get(place)
         held = (
-            f"{snare.joint}, {snare.grasp_mm:g} mm from the {snare.measured_from}"
+            f"the camera tube: {snare.joint}, {snare.grasp_mm:g} mm from the {snare.measured_from}"
             if snare
-            else f"camera, {setup.field_of_view_deg:g}\N{DEGREE SIGN}"
+            else f"the camera: {setup.field_of_view_deg:g}\N{DEGREE SIGN} field of view"
         )
         rows.append({
             "set-up": placed.name,
             "needle": name_needle(setup, place),
             "entry_x_mm": float(x), "entry_y_mm": float(y), "entry_z_mm": float(z),
             "length at start_mm": float(start.lengths_mm[place]),
-            "outer diameter_mm": needle.outer_diameter_mm,
-            "inner diameter_mm": needle.inner_diameter_mm,
-            "grasps": held,
+            "diameters_mm": f"{needle.outer_diameter_mm:g} / {needle.inner_diameter_mm:g}",
+            "holds": held,
         })  # fmt: skip
     return rows
+
+
+def tell_candidates(table: "pandas.DataFrame") -> "pandas.DataFrame":
+    """Return the table of candidates with what a reader compares; files have the rest.
+
+    Of the shares after each round of the search the last stands for all: later rounds have more
+    nodes and fewer candidates.
+    """
+    rounds = [name for name in table if str(name).startswith(ROUND)]
+    told = table.drop(columns=["rank", "needles", *rounds], errors="ignore")
+    if {"name", "chosen"} <= set(told):
+        names = told["name"].where(told["chosen"], None)
+        told = told.drop(columns=["name", "chosen"])
+        told.insert(0, "chosen as", names)
+    if rounds:
+        place = told.columns.get_loc("share_unbent") + 1 if "share_unbent" in told else len(rounds)
+        told.insert(place, "share_seen in its last round", table[rounds].ffill(axis=1).iloc[:, -1])
+    told = told.rename(columns={"share_unbent": "share_seen by unbent starts"})
+    return tell_shares(told)
 
 
 def tell_rows(candidates: int, rows: int) -> str:

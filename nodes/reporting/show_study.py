@@ -5,12 +5,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nodes.geometry.grids import spacing_mm
+from nodes.planning.artefacts import CrispTrees
 from nodes.reporting.artefacts import Section
 from nodes.reporting.honesty import warnings_of
 from nodes.reporting.parameters import ShowStudyParameters
 from nodes.reporting.rendering import render_template
 from nodes.reporting.share_curves import render_shares
-from nodes.reporting.tables import render_table, tell_shares
+from nodes.reporting.tables import group_digits, render_table, tell_shares
 from nodes.visibility.artefacts import VisibilitySets
 
 if TYPE_CHECKING:
@@ -26,16 +28,25 @@ HEADS = {
     "zero": "Each solve begins at zero",
 }
 
+SHARE = "Share of the surface that is seen; the union is of both set-ups."
 RATIO = (
     "Nodes of the trees, and how many times more there are where each solve begins at its"
     " neighbour's solution, not at the start's. The ratio depends on the solver; nothing was tuned"
     " towards the paper's."
 )
+TERMS = "On what terms: what differs between the two."
+RUNS = (
+    "All runs here. A solve is one configuration; failures are edges that ended since a step was"
+    " not solved. A union is of one seeding's set-ups, its numbers their sums."
+)
+SEEDS = {PARENT: "its neighbour", START: "the start", "zero": "zero"}
+"""Where solves begin, as the table of all runs says it."""
 
 
 def show_study(
     study_table: "pandas.DataFrame",
     visibility_sets: VisibilitySets,
+    crisp_trees: CrispTrees,
     parameters: ShowStudyParameters,
 ) -> Section:
     """Show the shares and nodes of [Kuntz2017] beside ours, all runs, and curves over time.
@@ -45,15 +56,17 @@ def show_study(
     study_table : one row a tree and one for each union: `setup`, `seeding` ("parent", "start",
         "zero"), `share_seen` (0 to 1), `nodes`, `seconds`, and what else was counted.
     visibility_sets : of these trees.
+    crisp_trees : of which it is told how many grew side by side, and with which camera.
     parameters : the paper's figures.
     """
     decimals = parameters.decimals
     html = render_template("paragraph.html", {"text": parameters.caption, "kind": "caption"})
-    terms = tell_terms(study_table, parameters)
-    html += render_table(compare_shares(study_table, parameters), terms, decimals, decimals)
+    html += render_table(compare_shares(study_table, parameters), SHARE, decimals, decimals)
     html += render_table(compare_nodes(study_table, parameters), RATIO, decimals, decimals)
     html += render_curves(study_table, visibility_sets, parameters.curve_points)
-    html += render_table(tell_shares(study_table), "All runs.", decimals, decimals)
+    terms = compare_terms(study_table, visibility_sets, crisp_trees, parameters)
+    html += render_table(terms, TERMS, decimals, decimals)
+    html += render_table(tell_runs(study_table), RUNS, decimals, decimals)
     return Section(parameters.title, html, warnings_of(visibility_sets.origin))
 
 
@@ -69,14 +82,48 @@ def render_curves(table: "pandas.DataFrame", sets: VisibilitySets, points: int) 
     return html
 
 
-def tell_terms(table: "pandas.DataFrame", parameters: ShowStudyParameters) -> str:
-    """Return on what terms the two sides were measured."""
-    seconds = table["seconds"].max() if len(table) else float("nan")
-    return (
-        f"Share of the surface that is seen. Paper: {parameters.paper_hours:g} h on "
-        f"{parameters.paper_cores} cores, another patient, other entry points; here: at most "
-        f"{seconds:.0f} s. They may be set side by side, not subtracted."
-    )
+def compare_terms(
+    table: "pandas.DataFrame",
+    sets: VisibilitySets,
+    trees: CrispTrees,
+    parameters: ShowStudyParameters,
+) -> "pandas.DataFrame":
+    """Return on what terms the two sides were measured, one row each."""
+    import pandas
+
+    side_by_side = max((int(tree.trees.max(initial=0)) + 1 for tree in trees.trees), default=0)
+    angles = sorted({tree.placed.setup.field_of_view_deg for tree in trees.trees})
+    cell = float(spacing_mm(sets.patient_from_index).max())
+    rows = [
+        ("time for each tree", f"{parameters.paper_hours:g} h", tell_time(table)),
+        ("cores", f"{parameters.paper_cores}", f"{side_by_side} trees at once, each on a core"),
+        (
+            "cells of the surface",
+            f"about {group_digits(parameters.paper_cells)}",
+            f"{group_digits(len(sets.cells))} of {cell:g} mm",
+        ),
+        ("surface", "effusion in a patient's CT", "of this case, as the head of the page tells"),
+        ("entry points", "not told how they were chosen", "found by a search, between ribs"),
+        (
+            "field of view",
+            "not told",
+            ", ".join(f"{angle:g}\N{DEGREE SIGN}" for angle in angles),
+        ),
+        ("looking for cells", "not told whether within that time", "not within that time"),
+    ]
+    return pandas.DataFrame(rows, columns=["", "paper", "here"])
+
+
+def tell_time(table: "pandas.DataFrame") -> str:
+    """Return for how long trees grew here at most."""
+    return f"{table['seconds'].max():.0f} s" if len(table) else "no tree"
+
+
+def tell_runs(table: "pandas.DataFrame") -> "pandas.DataFrame":
+    """Return the table of all runs as people read it: names in words, set-up and seed once."""
+    told = tell_shares(table.drop(columns="name", errors="ignore"))
+    told["seeding"] = told["seeding"].map(lambda seed: SEEDS.get(seed, seed))
+    return told.rename(columns={"setup": "set-up", "seeding": "solves begin at"})
 
 
 def setup_names(table: "pandas.DataFrame") -> list[str]:

@@ -38,6 +38,12 @@ HEADS = {"dice": "Dice"}
 
 MISSING = "\u2013"
 
+MOST_UNBROKEN = 24
+"""Characters of the longest words in a column whose cells are not broken into lines."""
+
+LEAST_GROUPED = 10_000
+"""From here on, whole numbers are written in groups of three digits, a thin space between."""
+
 
 @dataclass(frozen=True)
 class Column:
@@ -46,7 +52,8 @@ class Column:
     Parameters
     ----------
     head, unit : what stands above it.
-    kind : "number", "place" (x, y, z in one cell), "label" (with its colour) or "".
+    kind : "number", "place" (x, y, z in one cell), "label" (with its colour), "short" (words that
+        stay in one line) or "".
     cells : the texts.
     colours : "#rrggbb" for each cell of a label column, else "".
     """
@@ -120,6 +127,8 @@ def plain_column(name: str, values: list[object], decimals: int, unit_decimals: 
         return Column(head, unit, "label", tuple(map(words, named)), colour_names(named))
     cells = tuple(show_value(value, unit_decimals if unit else decimals) for value in values)
     kind = "number" if all(is_number(value) or value is None for value in values) else ""
+    if not kind and max(map(len, cells), default=0) <= MOST_UNBROKEN:
+        kind = "short"
     return Column(head, unit, kind, cells, ("",) * len(cells))
 
 
@@ -141,13 +150,18 @@ def show_value(value: object, decimals: int) -> str:
     if isinstance(value, bool | np.bool_):
         return "yes" if value else "no"
     if isinstance(value, Integral):
-        return f"{int(value)}"
+        return group_digits(int(value))
     if isinstance(value, Real):
         if not isfinite(value):
             return MISSING
         small = 0 < abs(value) < 0.5 * 10**-decimals
         return f"{value:.2g}" if small else f"{value:.{decimals}f}"
     return str(value)
+
+
+def group_digits(value: int) -> str:
+    """Return a whole number, its digits in groups of three where it is long."""
+    return f"{value:,}".replace(",", "\u202f") if abs(value) >= LEAST_GROUPED else f"{value}"
 
 
 def is_number(value: object) -> bool:
@@ -165,7 +179,7 @@ def tell_shares(table: "pandas.DataFrame") -> "pandas.DataFrame":
             told[name] = 100 * told[name]
         elif "_per_" in str(name):
             told[name] = told[name].round().astype("Int64").astype(object).fillna(np.nan)
-    return told.rename(columns={"seconds": "time_s"})
+    return told.rename(columns={"seconds": "time_s", "name": "set-up"})
 
 
 def tabulate_figures(figures: tuple[Figure, ...]) -> "pandas.DataFrame":

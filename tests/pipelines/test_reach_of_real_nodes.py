@@ -37,22 +37,23 @@ from tests.conftest import ROOT
 
 STAGES = {stage.name: stage for module in PIPELINES.values() for stage in module.STAGES}
 TREE = SourceTree(ROOT)
-PHANTOM = {
-    stage.name: stage
-    for pipeline in ("thorax_phantom", "pleuroscopy_phantom")
-    for stage in PIPELINES[pipeline].STAGES
-}
+READER = Project(ROOT).reader
+PHANTOM = {stage.name: stage for stage in PIPELINES["pleuroscopy_phantom"].STAGES}
+MORE = [stage for stage in PIPELINES["thorax_phantom"].STAGES if stage.name not in PHANTOM]
+PHANTOM |= {stage.name: stage for stage in MORE}
 # Coarse, so that all of it takes seconds.
 QUICK = {
     "make_thorax_phantom": {"pixel_spacing_mm": 3.0, "slice_thickness_mm": 5.0},
     "build_effusion_grid": {"voxel_size_mm": 4},
+    "build_fine_effusion_grid": {"voxel_size_mm": 4},
+    "find_entry_corridors": {"candidate_spacing_mm": 40},
     "build_surfaces": {"voxel_size_mm": 6, "voxel_size_mm_by_label": {}},
     "sample_point_cloud": {"spacing_mm": 10},
     "show_slices": {"pixels": 32},
     "show_labels": {"pixels": 32},
     "place_goals": {"random_goals": 2},
     "search_crisp_setups": {"coarsest_cell": 10, "two_needles": 2, "three_needles": 0,
-                            "rounds": 1, "setups": 1, "node_limit": 32},
+                            "rounds": 1, "setups": 1, "node_limit": 32, "directions": 6},
     "grow_crisp_trees": {"coarsest_cell": 10, "node_limit": 200},
     "plan_crisp_motions": {"coarsest_cell": 10},
 }  # fmt: skip
@@ -97,7 +98,7 @@ def called_by(act: Callable[[], Any]) -> tuple[Any, set[str]]:
 
 def parameters_of(stage: Stage) -> dict[str, Any]:
     """Return the argument `parameters` of a stage that has one."""
-    facts = Project(ROOT).reader.facts(stage)
+    facts = READER.facts(stage)
     if not facts.parameters:
         return {}
     defaults = load_mapping(ROOT / f"catalog/parameters/{stage.name}.yml")
@@ -108,7 +109,7 @@ def call_stage(stage: Stage, values: dict[str, Any]) -> set[str]:
     """Put what a stage makes to the values; return the definitions that ran."""
     module, _, name = stage.target.partition(":")
     function = getattr(import_module(module), name)
-    known = Project(ROOT).reader.facts(stage).arguments
+    known = READER.facts(stage).arguments
     given = {argument: values[dataset] for argument, dataset in stage.arguments.items()}
     named = {argument: value for argument, value in given.items() if argument in known}
     more = [value for argument, value in given.items() if argument not in known]

@@ -11,6 +11,7 @@ from nodes.mechanics.solve_crisp import find_crisp_equilibria
 from nodes.planning.artefacts import (
     CheckedPlan,
     CrispMotion,
+    Goals,
     MotionPlan,
     MotionPlans,
     PlacedSetup,
@@ -37,9 +38,16 @@ BONE = bone_map(((-40, -60, -60), (-20, 60, 0)))
 GRID = box_grid()
 
 
-def check(made: MotionPlan, grid=GRID, bone=BONE, **changed) -> CheckedPlan:
+def goals_of(made: MotionPlan) -> Goals:
+    """Return the goals that a motion is made for."""
+    point = made.goal_point_patient_mm[None]
+    return Goals((made.goal,), made.cells, np.zeros(len(made.cells), int), point, ORIGIN)
+
+
+def check(made: MotionPlan, grid=GRID, bone=BONE, goals=None, **changed) -> CheckedPlan:
     parameters = PARAMETERS.model_copy(update=changed)
-    checked, table = check_crisp_plans(MotionPlans((made,), ORIGIN), grid, bone, parameters)
+    plans = MotionPlans((made,), ORIGIN)
+    checked, table = check_crisp_plans(plans, goals or goals_of(made), grid, bone, parameters)
     (verdict,) = checked.plans
     assert verdict.passed == (not verdict.failures)
     assert (table["verdict"][0] == "plan") == verdict.passed
@@ -289,3 +297,18 @@ def test_a_wall_thicker_than_the_sheath_is_refused(good, thickness) -> None:
         assert thickness < part <= PARAMETERS.sheath_mm
     else:
         refused(made, "the tool touches anatomy", grid=thick)
+
+
+def test_a_motion_to_another_goal_than_it_names_is_refused(good) -> None:
+    asked = goals_of(good)
+    assert check(replace(good, goal=f"{good.goal} 2/3"), goals=asked).passed
+    for changed, told in (
+        ({"goal": "another"}, "none of the goals"),
+        ({"goal_point_patient_mm": good.goal_point_patient_mm + 1}, "another point"),
+        ({"status": "not seen"}, "the planner calls it not seen"),
+        ({"cells": np.repeat(good.cells, 2, axis=0)}, "more than once"),
+    ):
+        verdict = check(replace(good, **changed), goals=asked)
+        assert any(told in failure for failure in verdict.failures)
+    elsewhere = replace(asked, cells=asked.cells + 1)
+    assert any("are not" in failure for failure in check(good, goals=elsewhere).failures)

@@ -1,5 +1,6 @@
 """Trees in a small ellipsoid: valid edges, limits, seeds; touches are found by brute force."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from catalog.yaml_file import load_mapping
 from nodes.environment.measure_distance import measure_distance
 from nodes.errors import BadInput
 from nodes.geometry.grids import LabelMap
+from nodes.geometry.lines_of_sight import find_surface, look_anew
 from nodes.geometry.origin import Origin
 from nodes.mechanics.crisp_edges import SOLVED, CrispEdges
 from nodes.mechanics.follow_crisp_edges import follow_crisp_edges
@@ -164,13 +166,43 @@ def test_needles_keep_their_margin_on_every_step_of_every_edge(tree):
     assert len(robots[1]) > 500
 
 
-def test_nodes_lie_on_geodesics_within_the_limits(tree):
-    of, frames = tree.placed, frames_of(tree)
-    tilts = np.arccos(np.clip((frames[..., 2] * of.axes).sum(axis=-1), -1, 1))
-    assert (tilts[1:] <= of.largest_tilts_rad + 1e-6).sum() > 0.8 * tilts[1:].size
-    assert (tree.lengths_mm >= of.shortest_mm - 1e-9).all()
-    assert (tree.lengths_mm <= of.longest_mm + 1e-9).all()
-    assert np.abs(np.linalg.norm(tree.quaternions, axis=2) - 1).max() < 1e-12
+def test_needles_keep_their_limits_everywhere_on_every_edge(tree):
+    of = placed()  # almost at the limit from the start, from where many geodesics go beyond it
+    aside = Rotation.from_rotvec(np.radians(11.9) * of.start.patient_from_entry[:, :, 0])
+    tight = replace(of, axes=aside.apply(of.axes.copy()), largest_tilts_rad=np.radians([12, 12]))
+    cut = grow(of=tight, node_limit=60)
+    assert {one.name: one.value for one in cut.counts}["tilts too far"] > 0
+    for one in (tree, cut):
+        of, edges = one.placed, edges_of(one)
+        turns = (edges.ends @ edges.starts.swapaxes(-1, -2)).reshape(-1, 3, 3)
+        vectors = Rotation.from_matrix(turns).as_rotvec()
+        for share in np.linspace(0, 1, 101):
+            now = Rotation.from_rotvec(share * vectors).as_matrix().reshape(edges.starts.shape)
+            tangents = (now @ edges.starts)[..., 2]
+            across = np.linalg.norm(np.cross(tangents, of.axes), axis=-1)
+            tilts = np.arctan2(across, (tangents * of.axes).sum(axis=-1))
+            assert (tilts <= of.largest_tilts_rad + 1e-9).all()
+        assert (one.lengths_mm >= of.shortest_mm - 1e-9).all()
+        assert (one.lengths_mm <= of.longest_mm + 1e-9).all()
+        assert np.abs(np.linalg.norm(one.quaternions, axis=2) - 1).max() < 1e-12
+
+
+@pytest.mark.parametrize("limit", [20, 21])
+def test_trees_of_unequal_sizes_tell_the_first_node_that_sees_a_cell(limit):
+    cells = np.argwhere(GRID.mask("boundary"))[::50]
+    tree, surface = grow(seen=cells, node_limit=limit), find_surface(GRID)
+    sizes = np.bincount(tree.trees[1:], minlength=2)
+    assert sizes.sum() == limit - 1 and np.ptp(sizes) == (limit - 1) % 2
+    seen = look_anew(surface, tree.cameras_patient_mm, tree.views, 90.0)
+    numbers = surface.numbers[tuple(cells.T)]
+    first = np.where(seen.any(axis=0), seen.argmax(axis=0), -1)[numbers]
+    assert np.array_equal(tree.seeing, first) and (first >= 0).any()
+
+
+def test_only_edges_from_walls_leave_joints_where_they_are(tree):
+    whole = grow(joints_at_walls="all")
+    assert not np.isclose(whole.lengths_mm[1:], whole.lengths_mm[whole.parents[1:]]).any()
+    assert np.isclose(tree.lengths_mm[1:], tree.lengths_mm[tree.parents[1:]]).any()
 
 
 def test_steps_are_no_larger_than_asked(tree):

@@ -30,12 +30,12 @@ def parameters(**changed):
         "sheath_avoids": ("bone",), "piece_mm": 8.0, "coarsest_cell": 9.0, "largest_strain": 1.0,
         "seed": 0, "trees": 1, "node_limit": 60, "time_limit_s": 600.0, "stop_when_seen": False,
         "step_deg": 2.0, "step_mm": 2.0, "lever_mm": 57.0, "seed_from": "parent", "chunk_steps": 8,
-        **SOLVING.model_dump(), "material": "nitinol", "inner_diameter_mm": 0.84,
-        "outer_diameter_mm": 1.02, "field_of_view_deg": 90.0, "joint": "rigid",
-        "grasp_places_mm": (10.0,), "joint_spacing_mm": 10.0, "entry_spacing_mm": 15.0,
-        "largest_tilt_deg": 50.0, "shortest_mm": 8.0, "longest_mm": 90.0, "directions": 40,
-        "two_needles": 3, "three_needles": 1, "rounds": 2, "setups": 2, "for_goals": False,
-        "farthest_start": 32.0, "start_tries": 60,
+        "joints_at_walls": "some", **SOLVING.model_dump(), "material": "nitinol",
+        "inner_diameter_mm": 0.84, "outer_diameter_mm": 1.02, "field_of_view_deg": 90.0,
+        "joint": "rigid", "grasp_places_mm": (10.0,), "joint_spacing_mm": 10.0,
+        "entry_spacing_mm": 15.0, "largest_tilt_deg": 50.0, "shortest_mm": 8.0, "longest_mm": 90.0,
+        "directions": 40, "two_needles": 3, "three_needles": 1, "rounds": 2, "setups": 2,
+        "for_goals": False, "farthest_start": 32.0, "start_tries": 60,
     }  # fmt: skip
     names = SearchCrispSetupsParameters.model_fields
     values = {name: value for name, value in values.items() if name in names}

@@ -53,7 +53,7 @@ def test_the_page_shows_itself_without_errors(view):
 def test_a_goal_shows_its_verdict_and_hides_all_others(view):
     assert view.locator(".verdict.passed").is_visible()
     assert not view.locator(".verdict.refused").is_visible()
-    choose(view, ".choose", "rib: refused")
+    choose(view, ".choose", "rib: refused, no plan")
     assert view.locator(".verdict.refused").is_visible()
     assert not view.locator(".verdict.passed").is_visible()
 

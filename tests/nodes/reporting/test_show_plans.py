@@ -46,12 +46,12 @@ def test_a_refused_motion_is_never_called_a_plan(show_plan):
 
 def test_the_verdict_stands_before_the_3d_view(section):
     assert 0 < section.html.index('class="verdict passed"') < section.html.index("viewer3d")
-    assert "no node of the tree sees it" in section.html
+    assert "No node of the tree sees it." in section.html
 
 
 def test_each_goal_has_a_choice_that_tells_its_verdict(section):
     names = [choice["name"] for choice in scene_of(section)["choices"]]
-    assert names == ["nodule: plan, passed", "rib: refused", "apex: no motion"]
+    assert names == ["nodule: plan, passed", "rib: refused, no plan", "apex: no motion"]
     verdicts = re.findall(r'class="verdict (\w+)" data-choice="(\d)"', section.html)
     assert verdicts == [("passed", "0"), ("refused", "1"), ("none", "2")]
 

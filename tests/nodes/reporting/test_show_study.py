@@ -2,7 +2,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from nodes.reporting.show_study import compare_nodes, compare_shares, show_study
+from nodes.reporting.show_study import (
+    compare_nodes,
+    compare_shares,
+    compare_terms,
+    show_study,
+    tell_runs,
+)
 from tests.nodes.reporting import made_plans
 
 
@@ -17,6 +23,10 @@ def table():
         "nodes_per_hour": [1.2e6, 1.44e6, 4.8e5, 3.6e5, np.nan, np.nan],
         "seconds": [30.0] * 6,
     })  # fmt: skip
+
+
+def show(table, sets, defaults):
+    return show_study(table, sets, made_plans.make_trees("1 parent"), defaults("show_study"))
 
 
 def test_the_papers_shares_stand_beside_ours(table, defaults):
@@ -42,22 +52,35 @@ def test_more_set_ups_than_the_paper_had_have_no_figure_of_the_paper(table, defa
 
 
 def test_a_run_that_is_missing_is_a_dash_and_no_failure(table, defaults):
-    html = show_study(
-        table[table["seeding"] == "parent"], made_plans.make_sets("1 parent", "2 parent"),
-        defaults("show_study"),
-    ).html  # fmt: skip
+    sets = made_plans.make_sets("1 parent", "2 parent")
+    html = show(table[table["seeding"] == "parent"], sets, defaults).html
     assert "\N{EN DASH}" in html and "nan" not in html
 
 
 def test_the_section_says_on_what_terms_it_compares(table, defaults):
-    section = show_study(table, made_plans.make_sets("1 parent"), defaults("show_study"))
-    assert "1 h on 8 cores" in section.html and "at most 30 s" in section.html
-    assert "37855" in section.html and "All is computed" in section.html
+    section = show(table, made_plans.make_sets("1 parent"), defaults)
+    assert "not subtracted" in section.html and "All is computed" in section.html
+    assert "37\u202f855" in section.html
+
+
+def test_the_terms_are_what_was_measured(table, defaults):
+    sets, trees = made_plans.make_sets("1 parent"), made_plans.make_trees("1 parent")
+    terms = compare_terms(table, sets, trees, defaults("show_study")).set_index("")
+    assert terms.loc["time for each tree"].tolist() == ["1 h", "30 s"]
+    assert terms.loc["cores", "paper"] == "8"
+    assert terms.loc["cells of the surface", "here"] == f"{len(sets.cells)} of 2 mm"
+    assert terms.loc["field of view", "here"] == "90\N{DEGREE SIGN}"
+
+
+def test_all_runs_are_told_once_each_by_words(table, defaults):
+    runs = tell_runs(table)
+    assert "name" not in runs and len(runs) == len(table)
+    assert set(runs["solves begin at"]) == {"its neighbour", "the start"}
 
 
 def test_curves_are_of_one_seeding_each(table, defaults):
     sets = made_plans.make_sets("1 parent", "2 parent", "1 start")
-    html = show_study(table, sets, defaults("show_study")).html
+    html = show(table, sets, defaults).html
     parent, start = html.split("Each solve begins at")[1:]
     assert "2 parent" in parent and "union" in parent
     assert "1 start" in start.split("<table")[0] and "union" not in start.split("<table")[0]

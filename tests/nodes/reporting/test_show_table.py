@@ -40,7 +40,7 @@ def cells(defaults):
 def test_numbers_stand_right_and_words_left(cells):
     found = cells(pandas.DataFrame({"name": ["lung"], "parts": [2], "volume_ml": [4321.126]}))
     assert [(kind, text) for tag, kind, text in found if tag == "td"] == [
-        ("", "lung"),
+        ("short", "lung"),
         ("number", "2"),
         ("number", "4321.1"),
     ]
