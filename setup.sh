@@ -54,4 +54,6 @@ ls "$venv"/ready* >/dev/null 2>&1 || "$python" -m venv --clear "$venv"
 # Pins hold for the build of the package itself, too.
 PIP_CONSTRAINT="$PWD/constraints.txt" "$venv/bin/python" -m pip install --quiet \
     --disable-pip-version-check --editable ".$extras"
+echo "setup: compiling kernels (once; a minute)"
+"$venv/bin/python" -m pipelines.compile_kernels
 touch "$venv/ready$extras"
