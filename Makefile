@@ -17,6 +17,7 @@ bench: setup
 	$(BIN)/python -m benchmarks.rerun
 	$(BIN)/python -m benchmarks.imaging
 	$(BIN)/python -m benchmarks.mechanics
+	$(BIN)/python -m benchmarks.crisp_planning
 
 serve: setup
 	$(BIN)/tendril serve
